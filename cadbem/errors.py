@@ -1,0 +1,21 @@
+"""Errors that a user can mend: one line each, naming the culprit and the remedy."""
+
+
+class CadbemError(Exception):
+    """Base of every error that cadbem raises for a mistake in its input."""
+
+
+class CadError(CadbemError):
+    """A CAD file cannot be read or does not describe a usable boundary."""
+
+
+class SelectionError(CadbemError):
+    """Faces were named or chosen ambiguously, twice, or not at all."""
+
+
+class ConditionError(CadbemError):
+    """Boundary conditions are missing, doubled or contradict each other."""
+
+
+class DisplayError(CadbemError):
+    """Pictures cannot be drawn on this machine."""
