@@ -1,1 +1,1 @@
-"""Placeholder."""
+"""Rules for regular, nearly singular and singular integrals."""

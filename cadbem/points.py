@@ -1,0 +1,60 @@
+"""Points of a boundary with what kernels and interface laws need there, by field name."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cadbem.spline.basis import Array
+from cadbem.spline.nurbs import Nurbs
+
+
+@dataclass(frozen=True, eq=False)
+class SurfacePoints:
+    """N points of a surface (dim = 3) or curve (dim = 2).
+
+    ``position`` and unit ``normal`` (dim, N); ``jacobian`` (N,), area or length per unit of
+    parameter; ``tangents`` (dim - 1, dim, N), the derivatives of position.
+    """
+
+    position: Array
+    normal: Array
+    jacobian: Array
+    tangents: Array
+
+    @property
+    def count(self) -> int:
+        """Number of points."""
+        return self.position.shape[1]
+
+
+def surface_points(spline: Nurbs, *parameters: ArrayLike) -> SurfacePoints:
+    """Points at flat parameter arrays.
+
+    The normal is x_u × x_v on a surface, and on a plane curve the right of its direction, which
+    is outward when the curve runs counter-clockwise.
+    """
+    derivatives = spline.derivatives(1, *parameters)
+    flat = {key: value.reshape(spline.dimension, -1) for key, value in derivatives.items()}
+    if len(spline.degrees) == 1:
+        tangents = flat[(1,)][None]
+        normal = np.array([tangents[0, 1], -tangents[0, 0]])
+    else:
+        tangents = np.stack([flat[(1, 0)], flat[(0, 1)]])
+        normal = np.cross(tangents[0], tangents[1], axis=0)
+    jacobian = np.linalg.norm(normal, axis=0)
+    position = flat[(0,) * len(spline.degrees)]
+    unit = normal / np.where(jacobian > 0, jacobian, 1.0)
+    return SurfacePoints(position, unit, jacobian, tangents)
+
+
+def join(parts: list[SurfacePoints]) -> SurfacePoints:
+    """Several sets of points as one."""
+    return SurfacePoints(
+        np.concatenate([p.position for p in parts], axis=-1),
+        np.concatenate([p.normal for p in parts], axis=-1),
+        np.concatenate([p.jacobian for p in parts], axis=-1),
+        np.concatenate([p.tangents for p in parts], axis=-1),
+    )
