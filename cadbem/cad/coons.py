@@ -1,0 +1,108 @@
+"""Planar regions as NURBS patches whose edges are the given curves exactly.
+
+A Coons patch formed on homogeneous control points (Farin, *Curves and Surfaces for CAGD*,
+section 22) is rational, has the four curves as its edges, and lies in the plane of the curves.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cadbem.cad.curves import arc
+from cadbem.spline.basis import Array, greville, multiplicities
+from cadbem.spline.nurbs import Nurbs
+
+
+def coons_patch(curves: list[Nurbs]) -> Nurbs:
+    """The patch inside four curves that follow each other round the loop.
+
+    Raises ValueError if a weight comes out non-positive (edges too strongly curved).
+    """
+    edges = [_with_unit_end_weights(curve) for curve in curves]
+    bottom, top = _compatible(edges[0], edges[2].reversed())
+    right, left = _compatible(edges[1], edges[3].reversed())
+    xi = greville(bottom.degrees[0], bottom.knots[0])[:, None, None]
+    eta = greville(left.degrees[0], left.knots[0])[None, :, None]
+    south, north = bottom.homogeneous[:, None], top.homogeneous[:, None]
+    west, east = left.homogeneous[None], right.homogeneous[None]
+    between = (1 - eta) * south + eta * north + (1 - xi) * west + xi * east
+    corners = (1 - eta) * ((1 - xi) * south[:1] + xi * south[-1:]) + eta * (
+        (1 - xi) * north[:1] + xi * north[-1:]
+    )
+    degrees = (bottom.degrees[0], left.degrees[0])
+    return Nurbs.from_homogeneous(degrees, (bottom.knots[0], left.knots[0]), between - corners)
+
+
+def disk_patches(origin: Array, x: Array, y: Array, start: float) -> list[Nurbs]:
+    """The region inside O + cos t X + sin t Y: a square core and four pieces around it.
+
+    The pieces of the rim begin at t = `start`.
+    """
+    angles = start + np.pi / 2 * np.arange(5)
+    rim = [origin + np.cos(t) * x + np.sin(t) * y for t in angles]
+    core = [0.5 * (origin + point) for point in rim]
+    inner = [segment(core[k], core[k + 1]) for k in range(4)]
+    outer = [arc(origin, x, y, (angles[k], angles[k + 1])) for k in range(4)]
+    ring = [
+        coons_patch(
+            [
+                segment(core[k], rim[k]),
+                outer[k],
+                segment(rim[k + 1], core[k + 1]),
+                inner[k].reversed(),
+            ]
+        )
+        for k in range(4)
+    ]
+    return [coons_patch(inner), *ring]
+
+
+def segment(start: Array, end: Array) -> Nurbs:
+    """The straight line between two points."""
+    return Nurbs((1,), (np.array([0.0, 0.0, 1.0, 1.0]),), np.array([start, end]), np.ones(2))
+
+
+def _with_unit_end_weights(curve: Nurbs) -> Nurbs:
+    """Domain [0, 1] and weight 1 at both ends, by a linear rational change of parameter.
+
+    With t = c s / (1 + (c - 1) s) the control point of knots s_1 ... s_p is multiplied by
+    Π (1 + (c - 1) s_j), as its blossom says.
+    """
+    degree, knots = curve.degrees[0], curve.knots[0]
+    knots = (knots - knots[0]) / (knots[-1] - knots[0])
+    homogeneous = curve.homogeneous / curve.weights[0]
+    ratio = homogeneous[-1, -1]
+    if abs(ratio - 1) > 1e-14:
+        factor = ratio ** (-1 / degree)
+        knots = knots / (factor - (factor - 1) * knots)
+        scales = [
+            np.prod(1 + (factor - 1) * knots[i + 1 : i + degree + 1])
+            for i in range(len(homogeneous))
+        ]
+        homogeneous = homogeneous * np.array(scales)[:, None]
+    return Nurbs.from_homogeneous((degree,), (knots,), homogeneous)
+
+
+def _compatible(first: Nurbs, second: Nurbs) -> tuple[Nurbs, Nurbs]:
+    """Two curves on the same degree and knots."""
+    degree = max(first.degrees[0], second.degrees[0])
+    first, second = first.elevated((degree,)), second.elevated((degree,))
+    second = _snapped_to(second, first.knots[0])
+    return _enriched(first, second), _enriched(second, first)
+
+
+def _snapped_to(curve: Nurbs, knots: Array) -> Nurbs:
+    """Knots that differ from others by rounding only become equal to them."""
+    nearest = knots[np.argmin(np.abs(curve.knots[0][:, None] - knots), axis=1)]
+    snapped = np.where(np.abs(nearest - curve.knots[0]) < 1e-9, nearest, curve.knots[0])
+    return Nurbs(curve.degrees, (snapped,), curve.points, curve.weights)
+
+
+def _enriched(curve: Nurbs, other: Nurbs) -> Nurbs:
+    own = dict(zip(*multiplicities(curve.knots[0]), strict=True))
+    missing = [
+        value
+        for value, count in zip(*multiplicities(other.knots[0]), strict=True)
+        for _ in range(count - own.get(value, 0))
+    ]
+    return curve.inserted((missing,))

@@ -1,0 +1,99 @@
+"""The text of a CAD file, looked at before the kernel sees it."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from cadbem.errors import CadError
+
+ENDINGS = {".step": "step", ".stp": "step", ".igs": "iges", ".iges": "iges"}
+_FORMATS = {"step": "STEP", "iges": "IGES"}
+_NOT_A_NUMBER = re.compile(
+    r"(?<=[(,=\s])[+-]?(?:nan|inf|infinity|\d*\.#\w+)(?:\(\w+\))?(?=\s*[,;)])", re.IGNORECASE
+)
+_HUGE = re.compile(r"[\d.][eEdD]\+?(\d{3,})")
+
+
+@dataclass(frozen=True)
+class CadSource:
+    """A file of a known kind: "step" or "iges"."""
+
+    name: str
+    kind: str
+    data: bytes
+
+    @property
+    def text(self) -> str:
+        """Decoded byte by byte: names keep what they are in the file's own encoding of UTF-8."""
+        return self.data.decode("utf-8", errors="replace")
+
+
+def read_source(path: str | Path) -> CadSource:
+    """The file's text after all checks that need no CAD kernel.
+
+    Raises CadError for a missing, empty or cut-off file, a directory, an unknown ending, a content
+    that is not what the ending says, and numbers that are not finite.
+    """
+    path = Path(path)
+    name = path.name
+    kind = ENDINGS.get(path.suffix.lower())
+    if path.is_dir():
+        raise CadError(f"{path}: this is a directory; give a STEP or IGES file")
+    if not path.exists():
+        raise CadError(f"{path}: no such file")
+    if kind is None:
+        raise CadError(f"{name}: unknown ending '{path.suffix}'; use .step, .stp, .iges or .igs")
+    try:
+        data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
+    except OSError as error:
+        raise CadError(f"{path}: cannot be read ({error.strerror})") from None
+    source = CadSource(name, kind, data)
+    _check_content(source)
+    _check_numbers(source)
+    return source
+
+
+def _check_content(source: CadSource) -> None:
+    if not source.data.strip():
+        raise CadError(f"{source.name}: the file is empty; export it again")
+    found = _kind_of(source.text)
+    if found is None:
+        raise CadError(
+            f"{source.name}: the content is not {_FORMATS[source.kind]}; "
+            "export the model as STEP or IGES text"
+        )
+    if found != source.kind:
+        raise CadError(
+            f"{source.name}: the content is {_FORMATS[found]}, the ending says "
+            f"{_FORMATS[source.kind]}; rename the file to .{found}"
+        )
+    if not _is_complete(source):
+        raise CadError(f"{source.name}: the file is cut off before its end; export it again")
+
+
+def _kind_of(text: str) -> str | None:
+    if re.match(r"\s*(/\*.*?\*/\s*)*ISO-10303-21\s*;", text, re.DOTALL):
+        return "step"
+    first = text.split("\n", 1)[0].rstrip("\r")
+    return "iges" if re.fullmatch(r".{72}[SG] *\d+ *", first) else None
+
+
+def _is_complete(source: CadSource) -> bool:
+    if source.kind == "step":
+        return re.search(r"END-ISO-10303-21\s*;", source.text[-2000:]) is not None
+    return any(line[72:73] == "T" for line in source.text.splitlines()[-5:])
+
+
+def _check_numbers(source: CadSource) -> None:
+    text = re.sub(r"'[^']*'", "''", source.text) if source.kind == "step" else source.text
+    bad = _NOT_A_NUMBER.search(text)
+    if bad is None:
+        bad = next((m for m in _HUGE.finditer(text) if int(m[1]) > 300), None)
+    if bad is not None:
+        line = text.count("\n", 0, bad.start()) + 1
+        raise CadError(
+            f"{source.name}: '{bad[0].strip()}' near line {line} is not a finite number; "
+            "mend the model and export it again"
+        )
