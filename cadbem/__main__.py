@@ -1,0 +1,7 @@
+"""``python -m cadbem``."""
+
+import sys
+
+from cadbem.cli import main
+
+sys.exit(main())
