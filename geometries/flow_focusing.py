@@ -22,8 +22,8 @@ STATIONS = [(-3, 0.5), (-0.5, 0.5), (0.5, 0.5), (1, 0.25), (1.5, 0.25), (2.5, 0.
 if __name__ == "__main__":
     with written(__file__, PORTS) as drawing:
         floor = [
-            drawing.face((x, -h, -0.5), (next_x, -next_h, -0.5), (next_x, next_h, -0.5), (x, h, -0.5))
-            for (x, h), (next_x, next_h) in zip(STATIONS, STATIONS[1:], strict=False)
+            drawing.face((x, -h, -0.5), (end, -end_h, -0.5), (end, end_h, -0.5), (x, h, -0.5))
+            for (x, h), (end, end_h) in zip(STATIONS, STATIONS[1:], strict=False)
         ]
         for side in (-1, 1):
             near, far = 0.5 * side, 3 * side
