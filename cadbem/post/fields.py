@@ -1,0 +1,119 @@
+"""Patches cut into small flat cells for drawing, with the fields that live on them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from cadbem.boundary import Boundary, Patch
+from cadbem.points import surface_points
+from cadbem.post.display import load_pyvista
+from cadbem.spline.basis import Array
+
+
+class PatchField(Protocol):
+    """A field on the patches of a boundary: values (dim, *shape) at parameters of a patch."""
+
+    def on_patch(self, index: int, u: ArrayLike, v: ArrayLike) -> Array: ...
+
+
+def tessellated(
+    boundary: Boundary,
+    density: int = 8,
+    fields: Mapping[str, PatchField] | None = None,
+    patches: Sequence[int] | None = None,
+) -> Any:
+    """Quadrilaterals on the patches as ``pyvista.PolyData``, ``density`` a direction an element.
+
+    Their corners lie on the exact surface.  Point data: ``Normals`` (unit, into the fluid; zero
+    where the patch is degenerate) and the ``fields``; cell data: ``patch``, ``face``, ``name`` as
+    in ``bezier_grid``.  Only the listed ``patches``, or all.  Raises ``DisplayError``.
+    """
+    pyvista = load_pyvista()
+    fields = fields or {}
+    chosen = range(len(boundary.patches)) if patches is None else patches
+    columns: dict[str, list[Array]] = {key: [] for key in ("points", "Normals", *fields)}
+    quads: list[NDArray[np.int64]] = []
+    start = 0
+    for i in chosen:
+        u, v = _lattice(boundary.patches[i], density)
+        points = surface_points(boundary.patches[i].surface, u.ravel(), v.ravel())
+        columns["points"].append(points.position.T)
+        columns["Normals"].append(points.normal.T)
+        for key, field in fields.items():
+            columns[key].append(field.on_patch(i, u.ravel(), v.ravel()).T)
+        quads.append(_quadrilaterals(u.shape, start))
+        start += u.size
+    mesh = pyvista.PolyData(np.concatenate(columns.pop("points")), np.concatenate(quads).ravel())
+    for key, values in columns.items():
+        mesh.point_data[key] = np.squeeze(np.concatenate(values))
+    add_numbers(mesh, boundary, np.repeat(list(chosen), [len(q) for q in quads]))
+    return mesh
+
+
+def add_numbers(mesh: Any, boundary: Boundary, patch_of_cell: NDArray[np.int64]) -> None:
+    """Cell data ``patch``, ``face`` and ``name`` of cells that lie on the patches given."""
+    faces = np.array([p.face for p in boundary.patches])
+    names = np.array([boundary.names.index(p.name) for p in boundary.patches])
+    mesh.cell_data["patch"] = patch_of_cell
+    mesh.cell_data["face"] = faces[patch_of_cell]
+    mesh.cell_data["name"] = names[patch_of_cell]
+    mesh.field_data["names"] = list(boundary.names)
+
+
+def wall_stresses(traction: Array, normal: Array) -> tuple[Array, Array]:
+    """Pressure (N,) and wall shear stress (N,) from tractions and unit normals (dim, N).
+
+    With f = σ·n, n into the fluid: no slip makes n·(∇u)·n vanish on a wall, so p = -f·n there;
+    the shear stress is the length of the rest, f - (f·n) n.
+    """
+    pull = (traction * normal).sum(axis=0)
+    return -pull, np.linalg.norm(traction - pull * normal, axis=0)
+
+
+def edge_lines(boundary: Boundary, density: int = 8, *, elements: bool = False) -> Any:
+    """Edges of the patches, or of all their ``elements``, as polylines in ``pyvista.PolyData``."""
+    pyvista = load_pyvista()
+    points: list[Array] = []
+    lines: list[int] = []
+    start = 0
+    for patch in boundary.patches:
+        for curve in _curves(patch, density, elements):
+            lines += [len(curve), *range(start, start + len(curve))]
+            points.append(curve)
+            start += len(curve)
+    return pyvista.PolyData(np.concatenate(points), lines=lines)
+
+
+def _curves(patch: Patch, density: int, elements: bool) -> list[Array]:
+    surface = patch.surface
+    curves = []
+    for along in (0, 1):
+        samples = _between(surface.breaks(along), density)
+        across = surface.breaks(1 - along) if elements else surface.domain[1 - along]
+        for value in across:
+            parameters = [samples, np.full_like(samples, value)]
+            curves.append(surface.evaluate(*parameters[:: 1 - 2 * along]).T)
+    return curves
+
+
+def _lattice(patch: Patch, density: int) -> tuple[Array, Array]:
+    u, v = (_between(patch.surface.breaks(d), density) for d in (0, 1))
+    grids = np.meshgrid(u, v, indexing="ij")
+    return grids[0], grids[1]
+
+
+def _between(breaks: Array, density: int) -> Array:
+    """Breaks with ``density - 1`` equidistant values in each span."""
+    steps = np.arange(density * (len(breaks) - 1) + 1) / density
+    return np.interp(steps, np.arange(len(breaks)), breaks)
+
+
+def _quadrilaterals(shape: tuple[int, ...], start: int) -> NDArray[np.int64]:
+    """Rows (4, a, b, c, d) of a lattice's cells, turning from u to v as the normal wants."""
+    index = start + np.arange(shape[0] * shape[1]).reshape(shape)
+    corners = [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]]
+    return np.stack([np.full(corners[0].size, 4), *[c.ravel() for c in corners]], axis=1)

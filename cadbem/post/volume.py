@@ -1,0 +1,32 @@
+"""Velocity and pressure inside the channel, on a mesh of tetrahedra."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadbem.post.display import load_pyvista
+from cadbem.spline.basis import Array
+
+
+class Flow(Protocol):
+    """A flow that can be asked at points (3, M) inside and on its boundary."""
+
+    def velocity_at(self, points: Array) -> Array: ...
+
+    def pressure_at(self, points: Array) -> Array: ...
+
+
+def volume_grid(points: Array, tetrahedra: NDArray[np.int64], solution: Flow) -> Any:
+    """A ``pyvista.UnstructuredGrid`` with point data ``velocity`` (N, 3) and ``pressure`` (N,).
+
+    ``points`` (3, N) in the boundary's unit of length, ``tetrahedra`` (4, M) indices into them,
+    as ``mesh_volume`` returns them.
+    """
+    pyvista = load_pyvista()
+    grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: tetrahedra.T}, points.T.copy())
+    grid.point_data["velocity"] = solution.velocity_at(points).T
+    grid.point_data["pressure"] = solution.pressure_at(points)
+    return grid
