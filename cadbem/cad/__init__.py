@@ -1,1 +1,27 @@
-"""Placeholder."""
+"""Reading and writing CAD files; gmsh's OpenCASCADE is loaded only where it works."""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from cadbem.cad.read import read_cad as read_cad
+    from cadbem.cad.report import CadReport as CadReport
+    from cadbem.cad.report import FaceReport as FaceReport
+    from cadbem.cad.report import inspect_cad as inspect_cad
+    from cadbem.cad.volume_mesh import mesh_volume as mesh_volume
+    from cadbem.cad.write import write_cad as write_cad
+
+_MODULES = {
+    "CadReport": "report",
+    "FaceReport": "report",
+    "inspect_cad": "report",
+    "mesh_volume": "volume_mesh",
+    "read_cad": "read",
+    "write_cad": "write",
+}
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f"module 'cadbem.cad' has no attribute '{name}'")
+    return getattr(import_module(f"cadbem.cad.{_MODULES[name]}"), name)

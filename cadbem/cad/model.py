@@ -1,0 +1,162 @@
+"""A CAD file opened: its faces, names and unit, and what keeps them from enclosing a fluid."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from cadbem.boundary import Patch
+from cadbem.cad.brep import BrepFace, EdgeUse, read_brep
+from cadbem.cad.iges_text import IgesText
+from cadbem.cad.kernel import KernelModel, import_model
+from cadbem.cad.layouts import face_patches, shape_of, world_curve
+from cadbem.cad.marks import FaceMark, Unit, match_names
+from cadbem.cad.source import CadSource, read_source
+from cadbem.cad.step_text import StepText
+from cadbem.errors import CadError
+from cadbem.spline.basis import Array
+
+SMALLEST, LARGEST = 1e-4, 1e8  # sizes in mm; the kernel takes points within 1e-7 mm for the same
+
+
+@dataclass(frozen=True, eq=False)
+class CadModel:
+    """Faces in millimetres, as the kernel gives them; `unit` is the file's."""
+
+    file: str
+    unit: Unit
+    faces: tuple[BrepFace, ...]
+    names: dict[int, str]
+    kernel: KernelModel
+
+    def patches(self, face: BrepFace) -> list[Patch]:
+        """The face's patches in the file's unit; raises CadError if there is no way to lay them."""
+        name = self.names.get(face.number, "")
+        return [
+            Patch(replace(s, points=s.points / self.unit.millimetres), name, face.number)
+            for s in face_patches(face)
+        ]
+
+    def centre(self, face: BrepFace) -> Array:
+        """Middle of the box round the face's edges, in the file's unit."""
+        points = _edge_points(face)
+        return 0.5 * (points.min(axis=0) + points.max(axis=0)) / self.unit.millimetres
+
+    def label(self, face: BrepFace) -> str:
+        """The face in words: number, name, kind, edges, holes, place."""
+        name = self.names.get(face.number, "")
+        quoted = f" '{name}'" if name else ""
+        place = self.place(self.centre(face))
+        return f"face {face.number}{quoted} ({shape_of(face)}) at {place}"
+
+    def place(self, point: Array) -> str:
+        """Coordinates (file's unit) in words."""
+        numbers = ", ".join(f"{x:.4g}" for x in np.where(np.abs(point) < 1e-12, 0.0, point))
+        return f"[{numbers}] {self.unit.name}".rstrip()
+
+    def obstacles(self) -> list[str]:
+        """Why the faces do not enclose one body of fluid, each in one line; [] if they do."""
+        return [*self._solid_problems(), *self._edge_problems()]
+
+    def _solid_problems(self) -> list[str]:
+        solids = self.kernel.solids
+        if len(solids) < 2:
+            return []
+        boxes = [np.reshape(solid.box, (2, 3)).mean(axis=0) for solid in solids[:6]]
+        places = [self.place(box / self.unit.millimetres) for box in boxes]
+        listed = "; ".join(
+            f"{solid.name or 'solid'} with {solid.faces} faces about {place}"
+            for solid, place in zip(solids, places, strict=False)
+        )
+        more = "; ..." if len(solids) > 6 else ""
+        return [
+            f"{self.file}: {len(solids)} solids ({listed}{more}); "
+            "export only the one that is the fluid's space, or fuse them"
+        ]
+
+    def _edge_problems(self) -> list[str]:
+        uses = [use for face in self.faces for loop in face.loops for use in loop]
+        counts = Counter(use.key for use in uses if use.curve is not None)
+        free = [use for use in uses if counts[use.key] == 1]
+        crowded = {use.key: use for use in uses if counts[use.key] > 2}
+        problems = []
+        if free:
+            problems.append(
+                f"{self.file}: the faces leave openings: {len(free)} edges belong to one face only,"
+                f" the first at {self._edge_place(free[0])}; close the surface in the CAD program"
+            )
+        if crowded and len(self.kernel.solids) < 2:
+            problems.append(
+                f"{self.file}: {len(crowded)} edges belong to more than two faces, the first at "
+                f"{self._edge_place(next(iter(crowded.values())))}; remove inner faces"
+            )
+        return problems
+
+    def _edge_place(self, use: EdgeUse) -> str:
+        curve = world_curve(use)
+        assert curve is not None
+        middle = curve.evaluate(0.5 * sum(curve.domain[0]))
+        return self.place(middle / self.unit.millimetres)
+
+
+def open_model(path: str | Path, time_limit: float) -> CadModel:
+    """Read a STEP or IGES file and find its faces.
+
+    Raises CadError if the file cannot be read, has no faces, or is absurdly small or large.
+    """
+    source = read_source(path)
+    unit, marks = _text_marks(source)
+    kernel = import_model(source, time_limit)
+    if kernel.faces == 0:
+        curves = f" but {kernel.curves} curves (a wireframe)" if kernel.curves else ""
+        raise CadError(
+            f"{source.name}: no faces{curves}; export the fluid's space as a solid or as surfaces"
+        )
+    faces = _boundary_faces(read_brep(kernel.brep))
+    _check_size(source.name, faces)
+    return CadModel(source.name, unit, faces, match_names(marks, list(faces), unit), kernel)
+
+
+def file_unit(source: CadSource) -> Unit:
+    """The file's unit of length; raises CadError if the text is damaged."""
+    return _text_marks(source)[0]
+
+
+def _text_marks(source: CadSource) -> tuple[Unit, list[FaceMark]]:
+    try:
+        text = StepText(source.text) if source.kind == "step" else IgesText(source.text)
+        return text.unit(), text.faces()
+    except (KeyError, IndexError, ValueError) as error:
+        raise CadError(
+            f"{source.name}: the text is damaged ({type(error).__name__}: {error}); "
+            "export it again from the CAD program"
+        ) from None
+
+
+def _boundary_faces(faces: list[BrepFace]) -> tuple[BrepFace, ...]:
+    """The faces of solids, or all faces where there is no solid."""
+    of_solids = tuple(face for face in faces if face.solid)
+    return of_solids or tuple(faces)
+
+
+def _check_size(file: str, faces: tuple[BrepFace, ...]) -> None:
+    points = np.concatenate([_edge_points(face) for face in faces])
+    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    if not SMALLEST < size < LARGEST:  # also if not a number
+        raise CadError(
+            f"{file}: the model is {size:.3g} mm large, which the CAD kernel cannot handle "
+            f"({SMALLEST:g} to {LARGEST:g} mm); check the unit or scale it"
+        )
+    bare = [face.number for face in faces if not len(_edge_points(face))]
+    if bare:
+        raise CadError(f"{file}: face {bare[0]} has no edges; export it again, perhaps larger")
+
+
+def _edge_points(face: BrepFace) -> Array:
+    """Points (n, 3) along the face's edges, in millimetres."""
+    curves = [curve for loop in face.loops for use in loop if (curve := world_curve(use))]
+    points = [c.evaluate(np.linspace(*c.domain[0], 9)).T for c in curves]
+    return np.concatenate(points) if points else np.zeros((0, 3))

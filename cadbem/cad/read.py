@@ -1,0 +1,70 @@
+"""A CAD file as the boundary of a body of fluid."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from cadbem.boundary import Boundary, Patch
+from cadbem.cad.model import CadModel, open_model
+from cadbem.errors import CadError
+
+OPEN = 1e-6  # |∮ n dS| / area above which patches do not enclose a volume
+HOLLOW = 1e-9  # volume / area^(3/2) below which nothing is enclosed
+REMEDY = "split it into four-sided faces in your CAD program; trimmed faces are not read yet"
+
+
+def read_cad(path: str | Path, *, time_limit: float = 60.0) -> Boundary:
+    """Exact NURBS patches of the solid in a STEP or IGES file; the fluid is inside.
+
+    Coordinates are in the file's own unit, normals point into the fluid, faces keep the names
+    that the file gives them (STEP: name of the face; IGES: entity label). `time_limit` in
+    seconds bounds the CAD kernel's work.
+
+    Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
+    exactly one volume, and for faces that no way of laying patches covers exactly.
+    """
+    model = open_model(path, time_limit)
+    for obstacle in model.obstacles():
+        raise CadError(obstacle)
+    boundary = Boundary(tuple(_all_patches(model)), model.file, model.unit.name)
+    return oriented(boundary)
+
+
+def oriented(boundary: Boundary) -> Boundary:
+    """Normals turned into the enclosed volume, if the file has the solid inside out.
+
+    Raises CadError if the patches do not close or enclose nothing.
+    """
+    points, weights = boundary.quadrature()
+    area = float(weights.sum())
+    opening = float(np.linalg.norm(points.normal @ weights)) / area
+    if opening > OPEN:
+        raise CadError(
+            f"{boundary.source}: the faces do not close: |∮ n dS| / area = {opening:.1e}; "
+            "check the model for missing, doubled or turned faces"
+        )
+    volume = boundary.volume()
+    if abs(volume) < HOLLOW * area**1.5:
+        raise CadError(f"{boundary.source}: the faces enclose no volume; export a solid")
+    if volume > 0:
+        return boundary
+    turned = [replace(patch, surface=patch.surface.swapped()) for patch in boundary.patches]
+    return replace(boundary, patches=tuple(turned))
+
+
+def _all_patches(model: CadModel) -> list[Patch]:
+    patches, refused = [], []
+    for face in model.faces:
+        try:
+            patches += model.patches(face)
+        except CadError:
+            refused.append(face)
+    if refused:
+        others = f" and {len(refused) - 1} more" if len(refused) > 1 else ""
+        raise CadError(
+            f"{model.file}: {model.label(refused[0])}{others} cannot become patches: {REMEDY}"
+        )
+    return patches
