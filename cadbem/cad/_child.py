@@ -58,7 +58,7 @@ def _sew(gmsh, source: str) -> bool:
     for tolerance in SEWING:
         _load(gmsh, source)
         gmsh.model.occ.healShapes(
-            gmsh.model.occ.getEntities(2),
+            [],  # all at once: given one by one, faces would not be joined
             tolerance=tolerance * size,
             fixDegenerated=False,
             fixSmallEdges=False,

@@ -87,7 +87,7 @@ def _is_complete(source: CadSource) -> bool:
 
 
 def _check_numbers(source: CadSource) -> None:
-    text = re.sub(r"'[^']*'", "''", source.text) if source.kind == "step" else source.text
+    text = _without_labels(source)
     bad = _NOT_A_NUMBER.search(text)
     if bad is None:
         bad = next((m for m in _HUGE.finditer(text) if int(m[1]) > 300), None)
@@ -97,3 +97,11 @@ def _check_numbers(source: CadSource) -> None:
             f"{source.name}: '{bad[0].strip()}' near line {line} is not a finite number; "
             "mend the model and export it again"
         )
+
+
+def _without_labels(source: CadSource) -> str:
+    """The text, line by line, without strings (STEP) or directory and sequence columns (IGES)."""
+    if source.kind == "step":
+        return re.sub(r"'[^']*'", lambda m: "''" + "\n" * m[0].count("\n"), source.text)
+    lines = source.text.splitlines()
+    return "\n".join(line[:64] if line[72:73] == "P" else "" for line in lines)
