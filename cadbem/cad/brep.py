@@ -1,7 +1,7 @@
 """OpenCASCADE's `.brep` text: the model's faces with surface, loops, orientation and location.
 
-The kernel writes 17 digits, so nothing is lost. Orientation follows the composition solid →
-shell → face, times the sign of the location's determinant (a mirrored part flips its normals).
+The kernel writes 17 digits, so nothing is lost. The composed orientation solid → shell → face says
+whether ∂u × ∂v of the *located* surface points out; a location that mirrors is no exception.
 """
 
 from __future__ import annotations
@@ -209,9 +209,7 @@ def _face(
         for wire in shape.parts
         if record.shapes[wire.shape].kind == WIRE
     )
-    outward = sign * int(np.sign(np.linalg.det(located[:3, :3])))
-    surface = record.surfaces[surface_index - 1]
-    return BrepFace(number, solid, surface, located, outward, loops)
+    return BrepFace(number, solid, record.surfaces[surface_index - 1], located, sign, loops)
 
 
 def _loop(

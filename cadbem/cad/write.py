@@ -17,14 +17,12 @@ from pathlib import Path
 
 import numpy as np
 
+from cadbem.cad.iges_text import IgesText
+from cadbem.cad.marks import FaceMark
+from cadbem.cad.step_text import StepText
 from cadbem.errors import CadError
 
 _SAFE_NAME = re.compile(r"[A-Za-z0-9_.+-]+( [A-Za-z0-9_.+-]+)*")
-_FACE_TO_CORNER = {
-    "FACE_BOUND", "FACE_OUTER_BOUND", "EDGE_LOOP", "VERTEX_LOOP", "ORIENTED_EDGE", "EDGE_CURVE",
-    "VERTEX_POINT",
-}  # fmt: skip
-_STEP_ENTITY = re.compile(r"#(\d+) = (\w+)\((.*?)\);\n", re.DOTALL)
 _STEP_POINT = re.compile(r"(CARTESIAN_POINT\('',)\(([^,()]+),([^,()]+),([^,()]+)\)")
 
 
@@ -86,14 +84,14 @@ class _Model:
     def corner_set(self, points: np.ndarray) -> frozenset[int]:
         return frozenset(self.nearest(point)[0] for point in points)
 
-    def named(self, file_faces: dict[int, np.ndarray]) -> dict[int, str]:
-        """Names of the file's faces, given the corners (n, 3) of each."""
-        if len(file_faces) != len(self.faces):
+    def names_of(self, marks: list[FaceMark]) -> Iterator[str]:
+        """Names of the written file's faces, in the file's order."""
+        if len(marks) != len(self.faces):
             raise CadError(
-                f"{self.file}: {len(self.faces)} faces in the model but {len(file_faces)} written;"
+                f"{self.file}: {len(self.faces)} faces in the model but {len(marks)} written;"
                 " split closed or periodic faces first"
             )
-        return {number: self._name_of(points) for number, points in file_faces.items()}
+        return iter([self._name_of(mark.corners) for mark in marks])
 
     def _name_of(self, points: np.ndarray) -> str:
         wanted = self.corner_set(points)
@@ -136,18 +134,8 @@ def _complete_step(text: str, model: _Model) -> str:
     text = re.sub(r"FILE_NAME\(.*?\);\n", lambda _: header, text, count=1, flags=re.DOTALL)
     text = re.sub(r"'Open CASCADE STEP translator[^']*'", f"'{stem}'", text)
     text = _STEP_POINT.sub(lambda found: _sharpened(found, model), text)
-    entities = {int(n): (kind, body) for n, kind, body in _STEP_ENTITY.findall(text)}
-    faces = {
-        number: np.array(list(_step_corners(body.split("),")[0], entities)))
-        for number, (kind, body) in entities.items()
-        if kind == "ADVANCED_FACE"
-    }
-    names = model.named(faces)
-    return re.sub(
-        r"#(\d+) = ADVANCED_FACE\(''",
-        lambda found: f"#{found[1]} = ADVANCED_FACE('{names[int(found[1])]}'",
-        text,
-    )
+    names = model.names_of(StepText(text).faces())
+    return re.sub("ADVANCED_FACE\\(''", lambda _: f"ADVANCED_FACE('{next(names)}'", text)
 
 
 def _sharpened(found: re.Match[str], model: _Model) -> str:
@@ -160,99 +148,24 @@ def _sharpened(found: re.Match[str], model: _Model) -> str:
     return f"{found[1]}({','.join(digits)})"
 
 
-def _step_corners(
-    references: str, entities: dict[int, tuple[str, str]]
-) -> Iterator[tuple[float, ...]]:
-    """The corners that a face's bounds lead to, without going into its surface and curves."""
-    for number in map(int, re.findall(r"#(\d+)", references)):
-        kind, body = entities.get(number, ("", ""))
-        if kind == "CARTESIAN_POINT":
-            yield tuple(map(float, body[body.index("(") + 1 : -1].split(",")))
-        elif kind in _FACE_TO_CORNER:
-            yield from _step_corners(body, entities)
-
-
 # IGES 5.3
-
-
-@dataclass(frozen=True)
-class _IgesEntity:
-    kind: int
-    parameters: list[str]  # without the leading type number
-    matrix: int  # directory number of its transformation (type 124), 0 for none
 
 
 def _complete_iges(text: str, model: _Model) -> str:
     sections: dict[str, list[str]] = {letter: [] for letter in "SGDPT"}
     for line in text.splitlines():
         sections[line[72]].append(line)
-    entities = _iges_entities(sections["D"], sections["P"])
-    faces = {
-        number: np.vstack([_iges_ends(int(loop), entities) for loop in _loops(entity)])
-        for number, entity in entities.items()
-        if entity.kind == 144
-    }
-    for number, name in model.named(faces).items():
+    names = model.names_of(IgesText(text).faces())
+    faces = [i for i, line in enumerate(sections["D"]) if line[:8] == "     144"]
+    for index, name in zip(faces[1::2], names, strict=True):  # labels are in the second lines
         if len(name) > 8:
             raise CadError(f"{model.file}: face name {name!r} is longer than IGES's 8 characters")
-        line = sections["D"][number]  # the entity's second line: numbers count from 1
-        sections["D"][number] = f"{line[:56]}{name:>8}{line[64:]}"
+        line = sections["D"][index]
+        sections["D"][index] = f"{line[:56]}{name:>8}{line[64:]}"
     sections["G"] = _iges_global(sections["G"], model.file)
     counts = "".join(f"{letter}{len(sections[letter]):7}" for letter in "SGDP")
     sections["T"] = [f"{counts:72}T      1"]
     return "\n".join(line for letter in "SGDPT" for line in sections[letter]) + "\n"
-
-
-def _iges_entities(directory: list[str], data: list[str]) -> dict[int, _IgesEntity]:
-    texts: dict[int, str] = {}
-    for line in data:
-        number = int(line[64:72])
-        texts[number] = texts.get(number, "") + line[:64].rstrip()
-    return {
-        number: _IgesEntity(
-            kind=int(directory[number - 1][:8]),
-            parameters=text.rstrip(";").split(",")[1:],
-            matrix=int(directory[number - 1][48:56] or 0),
-        )
-        for number, text in texts.items()
-    }
-
-
-def _loops(face: _IgesEntity) -> list[str]:
-    """Directory numbers of a trimmed surface's boundary loops (parameters: N2, outer, inner...)."""
-    inner = int(face.parameters[2])
-    return [loop for loop in face.parameters[3 : 4 + inner] if int(loop)]
-
-
-def _iges_ends(number: int, entities: dict[int, _IgesEntity]) -> np.ndarray:
-    """End points (n, 3) of a curve in space, or of all the curves of a loop."""
-    entity = entities[number]
-    if entity.kind == 142:  # loop: the curve in space is its fourth parameter
-        return _iges_ends(int(entity.parameters[3]), entities)
-    if entity.kind == 102:
-        return np.vstack([_iges_ends(int(part), entities) for part in entity.parameters[1:]])
-    ends = _ends_of(entity.kind, [float(value) for value in entity.parameters])
-    if entity.matrix:
-        placement = np.array(entities[entity.matrix].parameters[:12], dtype=float).reshape(3, 4)
-        ends = ends @ placement[:, :3].T + placement[:, 3]
-    return ends
-
-
-def _ends_of(kind: int, values: list[float]) -> np.ndarray:
-    if kind == 110:  # line
-        return np.array(values[:6]).reshape(2, 3)
-    if kind == 100:  # arc: height, centre, start, end
-        height, _, _, *ends = values[:7]
-        return np.column_stack([np.reshape(ends, (2, 2)), [height, height]])
-    if kind == 104:  # conic: six coefficients, height, start, end
-        height, *ends = values[6:11]
-        return np.column_stack([np.reshape(ends, (2, 2)), [height, height]])
-    if kind == 126:  # B-spline: its control points follow knots and weights
-        last, degree = int(values[0]), int(values[1])
-        first = 6 + (last + degree + 2) + (last + 1)
-        points = np.reshape(values[first : first + 3 * (last + 1)], (-1, 3))
-        return points[[0, -1]]
-    raise CadError(f"IGES curve of type {kind} cannot be followed; write STEP instead")
 
 
 def _iges_global(lines: list[str], file: str) -> list[str]:

@@ -1,1 +1,1 @@
-"""Placeholder."""
+"""Fundamental solutions as values."""

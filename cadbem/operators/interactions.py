@@ -1,0 +1,287 @@
+"""Interactions of a patch with targets: far, middle and near pairs through one contraction.
+
+A pair of a target and a panel is *far* when the lowest tensor rule resolves it, *middle* when a
+higher one does, *near* otherwise (then the rule is polar, see ``cadbem.quadrature.near``).  All
+three give nodes and weights; the kernel fills a table; the table times the weighted functions
+goes to a sink: matrix entries, or potentials of given densities.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadbem.kernels.kernel import Kernel, Layout
+from cadbem.operators.panels import Nodes, Panels, tensor_nodes
+from cadbem.quadrature import near
+from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature.panels import closest_on_panels
+from cadbem.spline.basis import Array
+
+TARGET_BLOCK = 64  # targets a table, to stay in cache
+STRIP = 4  # panels side by side in one matrix product
+NODE_CAPACITY = 1 << 15  # nodes a table of near pairs
+INTERPOLATE = -1  # owner of a target that lies on no patch
+
+Index = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Targets:
+    """Points (dim, T) where potentials are wanted.
+
+    A point that lies on the boundary names its patch in ``owner`` (T,) and its ``parameters``
+    (2, T) there; the owner of any other point is -1.
+    """
+
+    position: Array
+    owner: Index
+    parameters: Array
+
+    @classmethod
+    def free(cls, position: Array) -> Targets:
+        """Points off the boundary."""
+        count = position.shape[1]
+        return cls(position, np.full(count, -1), np.zeros((2, count)))
+
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        return self.position.shape[1]
+
+    def part(self, chosen: slice) -> Targets:
+        """Some of the targets."""
+        return Targets(
+            self.position[:, chosen], self.owner[chosen], self.parameters[:, chosen]
+        )
+
+
+class Sink(Protocol):
+    """Where contributions of a patch go."""
+
+    def block(
+        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
+    ) -> None:
+        """Add table (entries, R, nodes) times basis (nodes, functions of the net's block)."""
+
+    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
+        """Add values (pairs, entries, p + 1, q + 1) for the functions from (first_u, first_v)."""
+
+
+@dataclass(frozen=True, eq=False)
+class MatrixSink:
+    """Adds to ``entries`` (entries, T, n_u, n_v), the kernel's matrix of one patch."""
+
+    entries: Array
+
+    def block(
+        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
+    ) -> None:
+        shape = (*table.shape[:2], part_u.stop - part_u.start, part_v.stop - part_v.start)
+        self.entries[:, rows, part_u, part_v] += (table @ basis).reshape(shape)
+
+    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
+        for k, (t, u, v) in enumerate(zip(rows, first_u, first_v, strict=True)):
+            part = (slice(u, u + values.shape[2]), slice(v, v + values.shape[3]))
+            self.entries[(slice(None), t, *part)] += values[k]
+
+
+@dataclass(frozen=True, eq=False)
+class PotentialSink:
+    """Adds potentials of densities (components, n_u, n_v) to ``result`` (rows, T)."""
+
+    result: Array
+    layouts: Sequence[Layout]
+    densities: Sequence[Array]
+
+    def block(
+        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
+    ) -> None:
+        for layout, density in zip(self.layouts, self.densities, strict=True):
+            local = density[:, part_u, part_v].reshape(len(density), -1)
+            values = basis @ local.T
+            for i, row in enumerate(layout):
+                for j, entry in enumerate(row):
+                    self.result[i, rows] += table[entry] @ values[:, j]
+
+    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
+        p, q = values.shape[2], values.shape[3]
+        u = (first_u[:, None] + np.arange(p))[:, :, None]
+        v = (first_v[:, None] + np.arange(q))[:, None, :]
+        for layout, density in zip(self.layouts, self.densities, strict=True):
+            local = density[:, u, v]
+            for i, row in enumerate(layout):
+                for j, entry in enumerate(row):
+                    np.add.at(self.result[i], rows, (values[:, entry] * local[j]).sum(axis=(1, 2)))
+
+
+def interact(
+    kernel: Kernel,
+    panels: Panels,
+    patch: int,
+    targets: Targets,
+    quadrature: Quadrature,
+    sink: Sink,
+) -> None:
+    """Add everything that ``patch`` does to ``targets`` to ``sink``."""
+    degree = max(panels.surface.degrees)
+    orders = quadrature.orders(degree)
+    centres, radii = panels.sphere
+    reach = quadrature.reach(orders[0], degree) * panels.lengths + radii
+    square = ((targets.position[:, :, None] - centres[:, None, :]) ** 2).sum(axis=0)
+    close_target, close_panel = np.nonzero(square < reach**2)
+    _far(kernel, panels, tensor_nodes(panels, orders[0]), targets, close_target, close_panel, sink)
+    if len(close_target) == 0:
+        return
+    closest = _closest(panels, patch, targets, close_target, close_panel)
+    ratio = closest[2] / panels.lengths[close_panel]
+    level = np.zeros(len(ratio), dtype=np.int64)
+    for order in orders:
+        level += ratio < quadrature.reach(order, degree)
+    for k, order in enumerate(orders):
+        chosen = level == k
+        if chosen.any():
+            nodes = tensor_nodes(panels, order)
+            _middle(kernel, panels, nodes, targets, close_target[chosen], close_panel[chosen], sink)
+    chosen = level == len(orders)
+    _near(
+        kernel, panels, targets, close_target[chosen], close_panel[chosen],
+        closest[:, chosen], quadrature, sink,
+    )  # fmt: skip
+
+
+def _far(
+    kernel: Kernel,
+    panels: Panels,
+    nodes: Nodes,
+    targets: Targets,
+    close_target: Index,
+    close_panel: Index,
+    sink: Sink,
+) -> None:
+    count_u, count_v = panels.shape
+    per_panel = nodes.weight.shape[2]
+    far = np.ones((targets.count, count_u, count_v))
+    far.reshape(targets.count, -1)[close_target, close_panel] = 0.0
+    table = np.empty((kernel.entries, TARGET_BLOCK, STRIP * per_panel))
+    for a in range(count_u):
+        for start in range(0, count_v, STRIP):
+            strip = slice(start, min(start + STRIP, count_v))
+            width = strip.stop - strip.start
+            basis, part_u, part_v = nodes.basis(panels, a, strip)
+            position, normal = _flat(nodes.position[:, a, strip]), _flat(nodes.normal[:, a, strip])
+            for low in range(0, targets.count, TARGET_BLOCK):
+                rows = slice(low, min(low + TARGET_BLOCK, targets.count))
+                mask = far[rows, a, strip]
+                if not mask.any():
+                    continue
+                part = table[:, : rows.stop - low, : width * per_panel]
+                kernel.fill_block(targets.position[:, rows], position, normal, part)
+                if not mask.all():
+                    blocks = part.reshape(kernel.entries, -1, width, per_panel)
+                    np.copyto(blocks, 0.0, where=(mask == 0.0)[None, :, :, None])
+                sink.block(rows, part, basis, part_u, part_v)
+
+
+def _flat(values: Array) -> Array:
+    return np.ascontiguousarray(values.reshape(len(values), -1))
+
+
+def _closest(
+    panels: Panels, patch: int, targets: Targets, close_target: Index, close_panel: Index
+) -> Array:
+    """Closest points (3, pairs): u, v within the panel, distance; exact for a patch's own."""
+    result = np.empty((3, len(close_target)))
+    u, v, samples = panels.samples
+    closest_on_panels(
+        targets.position, close_target, close_panel, panels.flat_nets, u, v, samples, result
+    )
+    a, b = np.divmod(close_panel, panels.shape[1])
+    own = targets.owner[close_target] == patch
+    pairs = np.arange(len(own))
+    for direction, panel in enumerate((a, b)):
+        inside = panels.locate(direction, targets.parameters[direction, close_target])
+        own &= inside[pairs, panel]
+    for direction, panel in enumerate((a, b)):
+        parameter = targets.parameters[direction, close_target[own]]
+        result[direction, own] = panels.local(direction, parameter, panel[own])
+    result[2, own] = 0.0
+    return result
+
+
+def _middle(
+    kernel: Kernel,
+    panels: Panels,
+    nodes: Nodes,
+    targets: Targets,
+    close_target: Index,
+    close_panel: Index,
+    sink: Sink,
+) -> None:
+    order = np.argsort(close_panel, kind="stable")
+    chosen, starts = np.unique(close_panel[order], return_index=True)
+    for panel, rows in zip(chosen, np.split(close_target[order], starts[1:]), strict=True):
+        a, b = divmod(int(panel), panels.shape[1])
+        basis, part_u, part_v = nodes.basis(panels, a, slice(b, b + 1))
+        table = np.empty((kernel.entries, len(rows), len(basis)))
+        kernel.fill_block(
+            np.ascontiguousarray(targets.position[:, rows]),
+            _flat(nodes.position[:, a, b]),
+            _flat(nodes.normal[:, a, b]),
+            table,
+        )
+        sink.block(rows, table, basis, part_u, part_v)
+
+
+def _near(
+    kernel: Kernel,
+    panels: Panels,
+    targets: Targets,
+    close_target: Index,
+    close_panel: Index,
+    closest: Array,
+    quadrature: Quadrature,
+    sink: Sink,
+) -> None:
+    p, q = panels.surface.degrees
+    dim, capacity = targets.position.shape[0], NODE_CAPACITY
+    position, normal = np.empty((dim, capacity)), np.empty((dim, capacity))
+    weight, table = np.empty(capacity), np.empty((kernel.entries, capacity))
+    bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
+    starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
+    u, v, distance = map(np.ascontiguousarray, closest)
+    done = 0
+    while done < len(close_target):
+        count = near.place_nodes(
+            panels.flat_nets, close_panel, done, u, v, distance, quadrature.tolerance, gauss,
+            starts, position, normal, weight, bu, bv,
+        )  # fmt: skip
+        rows = close_target[done : done + count]
+        part = starts[: count + 1]
+        kernel.fill_rows(
+            np.ascontiguousarray(targets.position[:, rows]), part, position, normal, table
+        )
+        moments = np.empty((count, kernel.entries, p + 1, q + 1))
+        near.moments(part, table, weight, bu, bv, moments)
+        _add_moments(panels, rows, close_panel[done : done + count], moments, sink)
+        done += count
+
+
+def _add_moments(
+    panels: Panels, rows: Index, panel: Index, moments: Array, sink: Sink
+) -> None:
+    """From Bernstein moments to the patch's rational functions."""
+    a, b = np.divmod(panel, panels.shape[1])
+    first_u, first_v = panels.first[0][a], panels.first[1][b]
+    # (pairs, entries, i, j) with extraction (pairs, i, function)
+    along = np.matmul(moments, panels.extraction[1][b][:, None])
+    values = np.matmul(panels.extraction[0][a].swapaxes(1, 2)[:, None], along)
+    p, q = panels.surface.degrees
+    u = (first_u[:, None] + np.arange(p + 1))[:, :, None]
+    v = (first_v[:, None] + np.arange(q + 1))[:, None, :]
+    values *= panels.surface.weights[u, v][:, None]
+    sink.pairs(rows, first_u, first_v, values)

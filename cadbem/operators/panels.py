@@ -1,0 +1,194 @@
+"""The integration panels of a patch: Bézier pieces with tables of nodes and functions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property, lru_cache
+
+import numpy as np
+
+from cadbem.quadrature.gauss import gauss_unit
+from cadbem.spline.basis import Array, bernstein, refinement_matrix
+from cadbem.spline.nurbs import Nurbs
+
+WIDEST_TURN = np.deg2rad(50.0)  # a rational arc wider than this asks for higher orders
+
+
+@dataclass(frozen=True, eq=False)
+class Panels:
+    """A grid of panels over a patch, at least one an element.
+
+    ``breaks`` in each parameter; ``nets`` (P_u, P_v, p + 1, q + 1, dim + 1), homogeneous Bézier
+    points; ``extraction`` one (P, p + 1, p + 1) array a parameter, the Bernstein coefficients
+    (second axis) of the functions that live on a panel (third axis), the first of which has the
+    number in ``first`` (P,).
+    """
+
+    surface: Nurbs
+    breaks: tuple[Array, ...]
+    nets: Array
+    extraction: tuple[Array, ...]
+    first: tuple[Array, ...]
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Panels in each direction."""
+        return self.nets.shape[0], self.nets.shape[1]
+
+    @cached_property
+    def flat_nets(self) -> Array:
+        """Nets with one panel index, the second parameter fastest."""
+        return np.ascontiguousarray(self.nets.reshape(-1, *self.nets.shape[2:]))
+
+    @cached_property
+    def samples(self) -> tuple[Array, Array, Array]:
+        """Parameters u, v (S,) and positions (E, S, dim) of a coarse grid on each panel."""
+        u, v = (g.ravel() for g in np.meshgrid(*[np.linspace(0, 1, 5)] * 2, indexing="ij"))
+        p, q = self.surface.degrees
+        table = bernstein(p, u)[:, None] * bernstein(q, v)[None]
+        values = np.einsum("ijs,eijc->esc", table, self.flat_nets)
+        return u, v, np.ascontiguousarray(values[..., :-1] / values[..., -1:])
+
+    @cached_property
+    def sphere(self) -> tuple[Array, Array]:
+        """Centres (dim, E) and radii (E,) of balls that hold the panels' control points."""
+        points = self.flat_nets[..., :-1] / self.flat_nets[..., -1:]
+        points = points.reshape(len(points), -1, points.shape[-1])
+        centres = 0.5 * (points.min(axis=1) + points.max(axis=1))
+        return centres.T, np.linalg.norm(points - centres[:, None], axis=2).max(axis=1)
+
+    @cached_property
+    def lengths(self) -> Array:
+        """The longer side of each panel: (E,)."""
+        grid = self.samples[2].reshape(len(self.flat_nets), 5, 5, -1)
+        u = np.linalg.norm(np.diff(grid, axis=1), axis=3).sum(axis=1).max(axis=1)
+        v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
+        return np.maximum(u, v)
+
+    def locate(self, direction: int, parameter: Array) -> Array:
+        """Whether parameters (T,) lie in each closed panel interval: bool (T, P)."""
+        breaks = self.breaks[direction]
+        return (parameter[:, None] >= breaks[:-1]) & (parameter[:, None] <= breaks[1:])
+
+    def local(self, direction: int, parameter: Array, panel: Array) -> Array:
+        """Parameters within their panels, in [0, 1]."""
+        breaks = self.breaks[direction]
+        return (parameter - breaks[panel]) / (breaks[panel + 1] - breaks[panel])
+
+
+def split_patch(surface: Nurbs) -> Panels:
+    """Panels of a surface: its elements, halved until none turns by more than 50 degrees."""
+    breaks = tuple(_panel_breaks(surface, d) for d in range(2))
+    control = surface.homogeneous
+    extraction, first = [], []
+    for axis, (p, k, b) in enumerate(zip(surface.degrees, surface.knots, breaks, strict=True)):
+        broken = np.repeat(b, [p + 1] + [p] * (len(b) - 2) + [p + 1])
+        matrix = refinement_matrix(p, k, p, broken)
+        control = np.moveaxis(np.tensordot(matrix, control, axes=(1, axis)), 0, axis)
+        middles = 0.5 * (b[1:] + b[:-1])
+        numbers = np.searchsorted(k, middles, side="right") - 1 - p
+        blocks = [matrix[a * p : a * p + p + 1, f : f + p + 1] for a, f in enumerate(numbers)]
+        extraction.append(np.ascontiguousarray(blocks))
+        first.append(numbers)
+    p, q = surface.degrees
+    nets = np.array(
+        [
+            [control[a * p : a * p + p + 1, b * q : b * q + q + 1] for b in range(len(breaks[1]) - 1)]
+            for a in range(len(breaks[0]) - 1)
+        ]
+    )
+    return Panels(surface, breaks, nets, tuple(extraction), tuple(first))
+
+
+def _panel_breaks(surface: Nurbs, direction: int) -> Array:
+    breaks = surface.breaks(direction)
+    across = np.linspace(*surface.domain[1 - direction], 5)
+    inner = [breaks[:1]]
+    for low, high in zip(breaks[:-1], breaks[1:], strict=True):
+        along = np.linspace(low, high, 9)
+        grid = np.meshgrid(along, across, indexing="ij")
+        parameters = grid if direction == 0 else grid[::-1]
+        key = (1, 0) if direction == 0 else (0, 1)
+        tangent = surface.derivatives(1, *parameters)[key]
+        length = np.linalg.norm(tangent, axis=0)
+        unit = tangent / np.where(length > 1e-12 * length.max(), length, np.inf)
+        cosine = np.clip((unit[:, 1:] * unit[:, :-1]).sum(axis=0), -1, 1)
+        cosine = np.where((length[1:] > 0) & (length[:-1] > 0), cosine, 1.0)
+        turn = np.arccos(cosine).sum(axis=0).max()
+        inner.append(np.linspace(low, high, max(1, int(np.ceil(turn / WIDEST_TURN))) + 1)[1:])
+    return np.concatenate(inner)
+
+
+@dataclass(frozen=True, eq=False)
+class Nodes:
+    """Tensor Gauss nodes of one order on every panel.
+
+    ``position``, ``normal`` (dim, P_u, P_v, m²); ``weight`` (P_u, P_v, m²), with Jacobian, over
+    the weight function; ``functions`` one (P, m, p + 1) array of B-splines a parameter.
+    """
+
+    position: Array
+    normal: Array
+    weight: Array
+    functions: tuple[Array, ...]
+
+    def basis(self, panels: Panels, a: int, b: slice) -> tuple[Array, slice, slice]:
+        """Weighted functions (nodes, functions) on panels (a, b), and which functions they are.
+
+        The functions are the block [slice, slice] of the patch's control net.
+        """
+        p, q = panels.surface.degrees
+        first_u, first_v = panels.first[0][a], panels.first[1][b]
+        part_u = slice(first_u, first_u + p + 1)
+        part_v = slice(first_v[0], first_v[-1] + q + 1)
+        m = self.functions[1].shape[1]
+        across = np.zeros((len(first_v), m, part_v.stop - part_v.start))
+        for k, f in enumerate(first_v - first_v[0]):
+            across[k, :, f : f + q + 1] = self.functions[1][b][k]
+        weight = self.weight[a, b].reshape(len(first_v), m, m)
+        control = panels.surface.weights[part_u, part_v]
+        table = np.einsum(
+            "bkl,ki,blj,ij->bklij", weight, self.functions[0][a], across, control, optimize=True
+        )
+        return table.reshape(len(first_v) * m * m, -1), part_u, part_v
+
+
+def tensor_nodes(panels: Panels, order: int) -> Nodes:
+    """Nodes of the tensor Gauss rule of ``order`` on every panel."""
+    _, w = gauss_unit(order)
+    p, q = panels.surface.degrees
+    (bu, du), (bv, dv) = _bernstein_tables(p, order), _bernstein_tables(q, order)
+    value = np.einsum("ik,jl,abijc->cabkl", bu, bv, panels.nets, optimize=True)
+    along_u = np.einsum("ik,jl,abijc->cabkl", du, bv, panels.nets, optimize=True)
+    along_v = np.einsum("ik,jl,abijc->cabkl", bu, dv, panels.nets, optimize=True)
+    weight = value[-1]
+    position = value[:-1] / weight
+    tangent_u = (along_u[:-1] - along_u[-1] * position) / weight
+    tangent_v = (along_v[:-1] - along_v[-1] * position) / weight
+    normal = np.cross(tangent_u, tangent_v, axis=0)
+    jacobian = np.linalg.norm(normal, axis=0)
+    scale = np.where(jacobian > 0, jacobian, 1.0)
+    factor = w[:, None] * w * jacobian / weight
+    functions = tuple(
+        np.einsum("ik,aij->akj", b, e) for b, e in zip((bu, bv), panels.extraction, strict=True)
+    )
+    flat = (*panels.shape, order * order)
+    return Nodes(
+        position.reshape(-1, *flat),
+        (normal / scale).reshape(-1, *flat),
+        factor.reshape(flat),
+        functions,
+    )
+
+
+@lru_cache(maxsize=256)
+def _bernstein_tables(degree: int, order: int) -> tuple[Array, Array]:
+    t, _ = gauss_unit(order)
+    values = bernstein(degree, t)
+    if degree == 0:
+        return values, np.zeros_like(values)
+    lower = bernstein(degree - 1, t)
+    slopes = np.zeros_like(values)
+    slopes[1:] += degree * lower
+    slopes[:-1] -= degree * lower
+    return values, slopes

@@ -1,0 +1,157 @@
+"""Compiled geometry of Bézier panels: evaluation and closest points.
+
+A panel is one rational Bézier piece.  ``nets`` (E, p + 1, q + 1, dim + 1) holds homogeneous
+control points (w x, w) over parameters in [0, 1]²; a curve is a panel of degree q = 0.
+"""
+
+from __future__ import annotations
+
+from math import sqrt
+
+import numpy as np
+from numba import njit
+
+
+@njit(cache=True, nogil=True)
+def fill_bernstein(degree, t, values, slopes):
+    """Bernstein polynomials and derivatives at t, into arrays of length degree + 1."""
+    values[0] = 1.0
+    slopes[0] = 0.0
+    for p in range(1, degree + 1):
+        if p == degree:
+            slopes[0] = -p * values[0]
+            for j in range(1, p):
+                slopes[j] = p * (values[j - 1] - values[j])
+            slopes[p] = p * values[p - 1]
+        carried = 0.0
+        for j in range(p):
+            value = values[j]
+            values[j] = carried + (1.0 - t) * value
+            carried = t * value
+        values[p] = carried
+
+
+@njit(cache=True, nogil=True)
+def evaluate_panel(net, bu, bv, du, dv, point, tangent_u, tangent_v):
+    """Position and tangents from Bernstein values and slopes; returns the weight function."""
+    dim = net.shape[2] - 1
+    weight = weight_u = weight_v = 0.0
+    point[:] = 0.0
+    tangent_u[:] = 0.0
+    tangent_v[:] = 0.0
+    for i in range(net.shape[0]):
+        for j in range(net.shape[1]):
+            b, b_u, b_v = bu[i] * bv[j], du[i] * bv[j], bu[i] * dv[j]
+            w = net[i, j, dim]
+            weight += b * w
+            weight_u += b_u * w
+            weight_v += b_v * w
+            for c in range(dim):
+                x = net[i, j, c]
+                point[c] += b * x
+                tangent_u[c] += b_u * x
+                tangent_v[c] += b_v * x
+    for c in range(dim):
+        point[c] /= weight
+        tangent_u[c] = (tangent_u[c] - weight_u * point[c]) / weight
+        tangent_v[c] = (tangent_v[c] - weight_v * point[c]) / weight
+    return weight
+
+
+@njit(cache=True, nogil=True)
+def area_vector(tangent_u, tangent_v, normal):
+    """Unit normal into ``normal`` (see ``surface_points``); returns the Jacobian."""
+    if normal.shape[0] == 2:
+        normal[0], normal[1] = tangent_u[1], -tangent_u[0]
+        jacobian = sqrt(normal[0] ** 2 + normal[1] ** 2)
+    else:
+        normal[0] = tangent_u[1] * tangent_v[2] - tangent_u[2] * tangent_v[1]
+        normal[1] = tangent_u[2] * tangent_v[0] - tangent_u[0] * tangent_v[2]
+        normal[2] = tangent_u[0] * tangent_v[1] - tangent_u[1] * tangent_v[0]
+        jacobian = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+    if jacobian > 0.0:
+        for c in range(normal.shape[0]):
+            normal[c] /= jacobian
+    return jacobian
+
+
+@njit(cache=True, nogil=True)
+def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, samples, result):
+    """Closest point of panel panel_of[k] to target target_of[k], for each pair k.
+
+    Starts from the nearest of ``samples`` (E, S, dim) at parameters sample_u, sample_v (S,),
+    then Gauss-Newton held in the unit square.  ``result`` (3, pairs): u, v, distance.
+    """
+    p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, targets.shape[0]
+    bu, du = np.empty(p + 1), np.empty(p + 1)
+    bv, dv = np.empty(q + 1), np.empty(q + 1)
+    point, tu, tv, trial = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    for k in range(len(target_of)):
+        net, t = nets[panel_of[k]], target_of[k]
+        best, square = 0, np.inf
+        for s in range(samples.shape[1]):
+            distance = 0.0
+            for c in range(dim):
+                distance += (samples[panel_of[k], s, c] - targets[c, t]) ** 2
+            if distance < square:
+                best, square = s, distance
+        u, v = sample_u[best], sample_v[best]
+        for _ in range(30):
+            fill_bernstein(p, u, bu, du)
+            fill_bernstein(q, v, bv, dv)
+            evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
+            step_u, step_v = _step(u, v, point, tu, tv, targets[:, t])
+            scale, accepted = 1.0, False
+            for _ in range(12):
+                new_u = min(max(u + scale * step_u, 0.0), 1.0)
+                new_v = min(max(v + scale * step_v, 0.0), 1.0)
+                fill_bernstein(p, new_u, bu, du)
+                fill_bernstein(q, new_v, bv, dv)
+                evaluate_panel(net, bu, bv, du, dv, trial, tu, tv)
+                distance = 0.0
+                for c in range(dim):
+                    distance += (trial[c] - targets[c, t]) ** 2
+                if distance <= square:
+                    accepted = True
+                    break
+                scale *= 0.5
+            if not accepted:
+                break
+            moved = abs(new_u - u) + abs(new_v - v)
+            u, v, square = new_u, new_v, distance
+            if moved < 1e-12:
+                break
+        result[0, k], result[1, k], result[2, k] = u, v, sqrt(square)
+
+
+@njit(cache=True, nogil=True)
+def _step(u, v, point, tu, tv, target):
+    """Gauss-Newton step; a parameter that presses against its bound is held."""
+    a = b = c = g = h = 0.0
+    for i in range(len(point)):
+        gap = target[i] - point[i]
+        a += tu[i] * tu[i]
+        b += tu[i] * tv[i]
+        c += tv[i] * tv[i]
+        g += tu[i] * gap
+        h += tv[i] * gap
+    hold_u = (u <= 0.0 and g <= 0.0) or (u >= 1.0 and g >= 0.0) or a == 0.0
+    hold_v = (v <= 0.0 and h <= 0.0) or (v >= 1.0 and h >= 0.0) or c == 0.0
+    if hold_u and hold_v:
+        return 0.0, 0.0
+    if hold_u:
+        return 0.0, h / c
+    if hold_v:
+        return g / a, 0.0
+    determinant = a * c - b * b
+    if determinant <= 1e-14 * a * c:
+        return g / a, 0.0
+    step_u, step_v = (g * c - h * b) / determinant, (h * a - g * b) / determinant
+    # where the full step leaves through one side, slide along it
+    if u + step_u < 0.0 or u + step_u > 1.0:
+        held = min(max(u + step_u, 0.0), 1.0) - u
+        return held, (h - b * held) / c
+    if v + step_v < 0.0 or v + step_v > 1.0:
+        held = min(max(v + step_v, 0.0), 1.0) - v
+        return (g - b * held) / a, held
+    return step_u, step_v

@@ -1,0 +1,163 @@
+"""Unknowns on a boundary: functions, collocation points, fields.
+
+Functions are numbered patch by patch, within a patch with the last parameter fastest.  A
+vector of coefficients has the component slowest: (dim, F).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import block_diag, cho_factor, cho_solve
+
+from cadbem.boundary import Boundary
+from cadbem.points import SurfacePoints, join, surface_points
+from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
+from cadbem.spline.basis import Array, basis_matrix, greville
+from cadbem.spline.nurbs import Nurbs
+
+END_SHIFT = 0.4  # how far end points move towards their neighbours: see ``discontinuous_space``
+
+
+@dataclass(frozen=True, eq=False)
+class Space:
+    """The patches' own NURBS functions as unknowns, with one collocation point a function.
+
+    ``offsets`` (patches + 1,) are the numbers of each patch's first function; ``parameters``
+    one (p, n) array a patch; ``collocation`` the points in the same order as the functions.
+    """
+
+    boundary: Boundary
+    offsets: tuple[int, ...]
+    parameters: tuple[Array, ...]
+    collocation: SurfacePoints
+
+    @property
+    def count(self) -> int:
+        """Number of functions, and of collocation points."""
+        return self.offsets[-1]
+
+    def functions(self, patch: int) -> slice:
+        """Numbers of a patch's functions."""
+        return slice(self.offsets[patch], self.offsets[patch + 1])
+
+    def values(self, coefficients: Array) -> Array:
+        """Values (dim, N) at the collocation points of coefficients (dim, F)."""
+        result = np.empty_like(coefficients)
+        for i, patch in enumerate(self.boundary.patches):
+            part = self.functions(i)
+            matrix = rational_basis(patch.surface, self.parameters[i])
+            result[:, part] = coefficients[:, part] @ matrix.T
+        return result
+
+    def collocation_matrix(self, patch: int) -> Array:
+        """Values of a patch's functions at its collocation points: (n, n)."""
+        return rational_basis(self.boundary.patches[patch].surface, self.parameters[patch])
+
+    def basis(self) -> Array:
+        """Values of all functions at all collocation points, dense and block diagonal."""
+        return block_diag(*map(self.collocation_matrix, range(len(self.boundary.patches))))
+
+    def interpolate(self, values: Array) -> Array:
+        """Coefficients (dim, F) of the field with these values at the collocation points."""
+        result = np.empty_like(values)
+        for i in range(len(self.boundary.patches)):
+            part = self.functions(i)
+            result[:, part] = np.linalg.solve(self.collocation_matrix(i), values[:, part].T).T
+        return result
+
+    def project(self, patch: int, function: Callable[[SurfacePoints], Array]) -> Array:
+        """L² projection (dim, n) of ``function(points) -> (dim, N)`` on one patch.
+
+        It keeps the integral over the patch exactly: the functions sum to one.
+        """
+        surface = self.boundary.patches[patch].surface
+        order = max(surface.degrees) + 8
+        points, weights = self.boundary.patches[patch].quadrature(order)
+        matrix = rational_basis(surface, _element_parameters(surface, order))
+        mass = cho_factor(matrix.T @ (weights[:, None] * matrix))
+        return cho_solve(mass, matrix.T @ (weights * function(points)).T).T
+
+
+@dataclass(frozen=True, eq=False)
+class Field:
+    """A vector field (dim, ·) or a scalar one (1, ·) on a space: ``coefficients`` (dim, F)."""
+
+    space: Space
+    coefficients: Array
+
+    def patch_coefficients(self, patch: int) -> Array:
+        """Control values (dim, n_1[, n_2]) of one patch."""
+        shape = self.space.boundary.patches[patch].surface.weights.shape
+        part = self.coefficients[:, self.space.functions(patch)]
+        return part.reshape(-1, *shape)
+
+    def on_patch(self, patch: int, *parameters: ArrayLike) -> Array:
+        """Values (dim, *shape) at parameters of one patch."""
+        surface = self.space.boundary.patches[patch].surface
+        control = np.moveaxis(self.patch_coefficients(patch), 0, -1)
+        return replace(surface, points=control).evaluate(*parameters)
+
+    def integral(self, patch: int, order: int | None = None) -> Array:
+        """Integral (dim,) over one patch."""
+        values, _, weights = self.quadrature(patch, order)
+        return values @ weights
+
+    def quadrature(
+        self, patch: int, order: int | None = None
+    ) -> tuple[Array, SurfacePoints, Array]:
+        """Values (dim, N), points and weights of a Gauss rule on one patch."""
+        surface = self.space.boundary.patches[patch].surface
+        order = order or max(surface.degrees) + 8
+        points, weights = self.space.boundary.patches[patch].quadrature(order)
+        parameters = _element_parameters(surface, order)
+        return self.on_patch(patch, *parameters), points, weights
+
+
+def discontinuous_space(boundary: Boundary, end_shift: float = END_SHIFT) -> Space:
+    """Each patch has its own unknowns; no collocation point lies on an edge of a patch.
+
+    Collocation at Greville abscissae, the first and last of each direction moved inwards by
+    ``end_shift`` times the distance to the next (Marussig et al. 2015), so that corners and
+    edges, where tractions jump, need no special treatment.
+    """
+    parameters, points, offsets = [], [], [0]
+    for patch in boundary.patches:
+        surface = patch.surface
+        axes = [
+            _shifted(greville(p, k), end_shift)
+            for p, k in zip(surface.degrees, surface.knots, strict=True)
+        ]
+        grid = np.stack([g.ravel() for g in np.meshgrid(*axes, indexing="ij")])
+        parameters.append(grid)
+        points.append(surface_points(surface, *grid))
+        offsets.append(offsets[-1] + grid.shape[1])
+    return Space(boundary, tuple(offsets), tuple(parameters), join(points))
+
+
+def _shifted(abscissae: Array, share: float) -> Array:
+    shifted = abscissae.copy()
+    shifted[0] += share * (abscissae[1] - abscissae[0])
+    shifted[-1] -= share * (abscissae[-1] - abscissae[-2])
+    return shifted
+
+
+def rational_basis(surface: Nurbs, parameters: ArrayLike) -> Array:
+    """All functions R = w N / W of a spline at parameters (p, m): dense (m, n)."""
+    factors = [
+        basis_matrix(p, k, u)
+        for p, k, u in zip(surface.degrees, surface.knots, np.asarray(parameters), strict=True)
+    ]
+    matrix = factors[0]
+    for factor in factors[1:]:
+        matrix = (matrix[:, :, None] * factor[:, None, :]).reshape(len(matrix), -1)
+    matrix = matrix * surface.weights.ravel()
+    return matrix / matrix.sum(axis=1, keepdims=True)
+
+
+def _element_parameters(surface: Nurbs, order: int) -> list[Array]:
+    rules = [gauss_on_breaks(order, surface.breaks(d)) for d in range(len(surface.degrees))]
+    return tensor_rule(rules)[0]
