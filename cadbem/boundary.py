@@ -75,7 +75,7 @@ class Boundary:
             for index in self._selected(name, selector):
                 if index in chosen:
                     raise SelectionError(
-                        f"{self._label(index)} is selected both as '{chosen[index]}' and as "
+                        f"{self.label(index)} is selected both as '{chosen[index]}' and as "
                         f"'{name}'; make the selectors exclude each other"
                     )
                 chosen[index] = name
@@ -92,7 +92,7 @@ class Boundary:
     def _selected(self, name: str, selector: Selector) -> list[int]:
         indices = self._matches(name, selector)
         if not indices:
-            faces = "; ".join(self._label(i) for i in range(min(len(self.patches), 30)))
+            faces = "; ".join(self.label(i) for i in range(min(len(self.patches), 30)))
             raise SelectionError(
                 f"'{name}' selects no face of {self.source or 'the boundary'} "
                 f"({selector!r}); there are: {faces}"
@@ -129,12 +129,13 @@ class Boundary:
         if len({self.patches[i].face or -i for i in hits}) > 1:
             raise SelectionError(
                 f"'{name}': the point {point.tolist()} lies on several faces: "
-                + "; ".join(self._label(i) for i in hits)
+                + "; ".join(self.label(i) for i in hits)
                 + "; move it off the common edge"
             )
         return hits
 
-    def _label(self, index: int) -> str:
+    def label(self, index: int) -> str:
+        """What to call a patch in a message: CAD face, name, middle."""
         patch = self.patches[index]
         middle = np.array2string(patch.middle().position[:, 0], precision=4, separator=", ")
         number = f"face {patch.face}" if patch.face else f"patch {index}"

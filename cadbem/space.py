@@ -101,20 +101,36 @@ class Field:
         control = np.moveaxis(self.patch_coefficients(patch), 0, -1)
         return replace(surface, points=control).evaluate(*parameters)
 
-    def integral(self, patch: int, order: int | None = None) -> Array:
-        """Integral (dim,) over one patch."""
-        values, _, weights = self.quadrature(patch, order)
-        return values @ weights
-
-    def quadrature(
-        self, patch: int, order: int | None = None
-    ) -> tuple[Array, SurfacePoints, Array]:
-        """Values (dim, N), points and weights of a Gauss rule on one patch."""
+    def surface_divergence(self, patch: int, *parameters: ArrayLike) -> tuple[Array, Array]:
+        """Unit normal (dim, *shape) and surface divergence (*shape) of a vector field."""
         surface = self.space.boundary.patches[patch].surface
-        order = order or max(surface.degrees) + 8
-        points, weights = self.space.boundary.patches[patch].quadrature(order)
-        parameters = _element_parameters(surface, order)
+        control = np.moveaxis(self.patch_coefficients(patch), 0, -1)
+        x = surface.derivatives(1, *parameters)
+        f = replace(surface, points=control).derivatives(1, *parameters)
+        x_u, x_v, f_u, f_v = x[1, 0], x[0, 1], f[1, 0], f[0, 1]
+        normal = np.cross(x_u, x_v, axis=0)
+        area = np.linalg.norm(normal, axis=0)
+        normal = normal / area
+        # dual tangents: x_v × n / J and n × x_u / J
+        dual_u, dual_v = np.cross(x_v, normal, axis=0), np.cross(normal, x_u, axis=0)
+        return normal, ((f_u * dual_u).sum(axis=0) + (f_v * dual_v).sum(axis=0)) / area
+
+    def nodes(self, patch: int) -> tuple[list[Array], SurfacePoints, Array]:
+        """Parameters, points and weights of a Gauss rule that suits the field's degree."""
+        element = self.space.boundary.patches[patch]
+        order = max(element.surface.degrees) + 8
+        points, weights = element.quadrature(order)
+        return _element_parameters(element.surface, order), points, weights
+
+    def quadrature(self, patch: int) -> tuple[Array, SurfacePoints, Array]:
+        """Values (dim, N), points and weights of the same rule."""
+        parameters, points, weights = self.nodes(patch)
         return self.on_patch(patch, *parameters), points, weights
+
+    def integral(self, patch: int) -> Array:
+        """Integral (dim,) over one patch."""
+        values, _, weights = self.quadrature(patch)
+        return values @ weights
 
 
 def discontinuous_space(boundary: Boundary, end_shift: float = END_SHIFT) -> Space:

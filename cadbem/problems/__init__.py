@@ -1,1 +1,1 @@
-"""Placeholder."""
+"""Boundary value problems: conditions, linear systems, solutions."""

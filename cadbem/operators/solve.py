@@ -1,0 +1,46 @@
+"""Linear systems of layers in which each patch mixes its unknowns in its own way."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import lu_factor, lu_solve
+
+from cadbem.operators.layers import Layers
+from cadbem.spline.basis import Array
+
+
+@dataclass(frozen=True, eq=False)
+class DenseFactors:
+    """LU factors of a dense system with unknowns (components, F)."""
+
+    factors: tuple[Array, Array]
+    shape: tuple[int, int]
+
+    def solve(self, right: Array) -> Array:
+        """Unknowns (components, F) for a right side (rows, T)."""
+        # the factors are those of the transposed matrix, which saved a copy
+        return lu_solve(self.factors, right.ravel(), trans=1).reshape(self.shape)
+
+
+def factorise(
+    layers: Layers, free_term: float, single: Sequence[Array], double: Sequence[Array]
+) -> DenseFactors:
+    """Factors of q -> S (F q) + (D - free_term) (U q), collocated in the layers' own space.
+
+    ``single`` = F and ``double`` = U hold one (components, k) matrix a patch.
+    """
+    space, rows = layers.space, layers.kernel.rows
+    count, unknowns = layers.entries.shape[1], single[0].shape[1]
+    matrix = np.empty((rows, count, unknowns, space.count))
+    for patch, (f, u) in enumerate(zip(single, double, strict=True)):
+        part = space.functions(patch)
+        block = layers.columns(patch, f, u)
+        own = space.collocation_matrix(patch)
+        block[:, part] -= free_term * u[:, None, :, None] * own[None, :, None, :]
+        matrix[:, :, :, part] = block
+    square = matrix.reshape(rows * count, unknowns * space.count)
+    factors = lu_factor(square.T, overwrite_a=True, check_finite=False)
+    return DenseFactors(factors, (unknowns, space.count))

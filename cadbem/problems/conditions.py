@@ -1,0 +1,122 @@
+"""Boundary conditions of Stokes flow, as values.
+
+A condition splits the velocity u and traction f on a patch into known parts and an unknown q
+with three components: u = u_known + U q, f = f_known + F q, where U and F are 3 × 3.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cadbem.errors import ConditionError
+from cadbem.points import SurfacePoints
+from cadbem.problems.profiles import Port
+from cadbem.spline.basis import Array
+
+Vector = Sequence[float] | Array
+Given = Callable[[SurfacePoints], Array]
+Nothing = np.zeros((3, 3))
+All = np.eye(3)
+
+
+@dataclass(frozen=True)
+class NoSlip:
+    """Zero velocity: a wall at rest."""
+
+
+@dataclass(frozen=True)
+class Velocity:
+    """Velocity given as a vector (3,), or as a function of positions (3, N) -> (3, N)."""
+
+    value: Vector | Callable[[Array], Array]
+
+
+@dataclass(frozen=True)
+class Inflow:
+    """Fully developed flow through a flat rectangular or round opening, along its normal.
+
+    Give either ``mean_velocity`` (length/time) or ``flow_rate`` (volume/time), positive into
+    the fluid.  Raises ``ConditionError`` when both or none are given.
+    """
+
+    mean_velocity: float | None = None
+    flow_rate: float | None = None
+
+    def __post_init__(self) -> None:
+        if (self.mean_velocity is None) == (self.flow_rate is None):
+            raise ConditionError("Inflow takes either mean_velocity or flow_rate, not both or none")
+
+    def mean(self, opening: Port) -> float:
+        """Mean velocity through an opening."""
+        if self.mean_velocity is not None:
+            return self.mean_velocity
+        assert self.flow_rate is not None
+        return self.flow_rate / opening.area
+
+
+@dataclass(frozen=True)
+class Pressure:
+    """Pressure and zero tangential velocity on a flat opening: flow leaves straight.
+
+    This, not zero traction, is what a developed channel flow fulfils.
+    """
+
+    value: float = 0.0
+
+
+@dataclass(frozen=True)
+class Traction:
+    """Traction f = σ·n given as a vector (3,), n into the fluid; zero: a free jet's opening."""
+
+    value: Vector = (0.0, 0.0, 0.0)
+
+
+Condition = NoSlip | Velocity | Inflow | Pressure | Traction
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """Known data and mixing matrices of one patch (see the top of this file)."""
+
+    velocity: Given
+    traction: Given
+    velocity_mixing: Array
+    traction_mixing: Array
+
+
+def split(condition: Condition, opening: Port | None) -> Split:
+    """What a condition means on a patch; ``opening`` for those that need a flat one."""
+    match condition:
+        case NoSlip():
+            return Split(_zero, _zero, Nothing, All)
+        case Velocity(value):
+            return Split(_given(value), _zero, Nothing, All)
+        case Traction(value):
+            return Split(_zero, _given(value), All, Nothing)
+        case Inflow():
+            assert opening is not None
+            return Split(_inflow(condition, opening), _zero, Nothing, All)
+        case Pressure(value):
+            assert opening is not None
+            normal = opening.normal[:, None]
+            along = normal @ normal.T
+            return Split(_zero, _given(-value * opening.normal), along, All - along)
+
+
+def _zero(points: SurfacePoints) -> Array:
+    return np.zeros_like(points.position)
+
+
+def _given(value: Vector | Callable[[Array], Array]) -> Given:
+    if callable(value):
+        return lambda points: np.asarray(value(points.position))
+    vector = np.asarray(value, dtype=float).reshape(3, 1)
+    return lambda points: np.broadcast_to(vector, points.position.shape)
+
+
+def _inflow(condition: Inflow, opening: Port) -> Given:
+    profile, mean = opening.profile(), condition.mean(opening)
+    return lambda points: mean * profile(points.position) * opening.normal[:, None]

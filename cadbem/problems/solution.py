@@ -1,0 +1,128 @@
+"""What can be asked of a solved Stokes flow."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cadbem.errors import SelectionError
+from cadbem.kernels.kernel import Kernel
+from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
+from cadbem.operators.interactions import Targets
+from cadbem.operators.layers import potentials
+from cadbem.operators.locate import locate
+from cadbem.space import Field, Space
+from cadbem.spline.basis import Array
+
+if TYPE_CHECKING:
+    from cadbem.problems.stokes import StokesProblem
+
+EIGHT_PI = 8 * np.pi
+
+
+@dataclass(frozen=True, eq=False)
+class StokesSolution:
+    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields."""
+
+    problem: StokesProblem
+    velocity: Field
+    traction: Field
+
+    @property
+    def space(self) -> Space:
+        """Unknowns and collocation points."""
+        return self.velocity.space
+
+    def velocity_at(self, points: ArrayLike) -> Array:
+        """Velocity (3, M) at points (3, M) in the fluid or on its boundary.
+
+        u = -(1/8πμ) ∫ G f dS + (1/8π) ∫ (T·n) u dS inside; zero outside.
+        """
+        factor = -1 / (EIGHT_PI * self.problem.viscosity), 1 / EIGHT_PI
+        return self._at(STOKES_3D, points, factor, self.velocity.on_patch)
+
+    def pressure_at(self, points: ArrayLike) -> Array:
+        """Pressure (M,) at points (3, M) in the fluid or on its boundary.
+
+        p = (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS inside (see ``stokes_3d``).
+        """
+        factor = 1 / EIGHT_PI, self.problem.viscosity / EIGHT_PI
+        values = self._at(STOKES_PRESSURE_3D, points, factor, self._pressure_row)
+        return values[0]
+
+    def _at(self, kernel: Kernel, points: ArrayLike, factor, on_patch) -> Array:
+        position = np.ascontiguousarray(points, dtype=float)
+        owner, parameters = locate(self.space.boundary, position)
+        inside = owner < 0
+        result = np.empty((kernel.rows, position.shape[1]))
+        result[:, inside] = potentials(
+            kernel,
+            self.space,
+            Targets.free(np.ascontiguousarray(position[:, inside])),
+            self.problem.quadrature,
+            factor[0] * self.traction.coefficients,
+            factor[1] * self.velocity.coefficients,
+        )
+        for patch in np.unique(owner[~inside]):
+            here = owner == patch
+            result[:, here] = on_patch(patch, *parameters[:, here])
+        return result
+
+    def _pressure_row(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
+        return self.surface_pressure(patch, u, v)[None]
+
+    def surface_pressure(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
+        """Pressure on one patch: p = -f·n - 2μ div_s u, as the flow has no divergence."""
+        normal, divergence = self.velocity.surface_divergence(patch, u, v)
+        normal_traction = (self.traction.on_patch(patch, u, v) * normal).sum(axis=0)
+        return -normal_traction - 2 * self.problem.viscosity * divergence
+
+    def wall_shear(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
+        """Tangential part (3, ·) of the traction on one patch."""
+        normal, _ = self.velocity.surface_divergence(patch, u, v)
+        traction = self.traction.on_patch(patch, u, v)
+        return traction - (traction * normal).sum(axis=0) * normal
+
+    def _patches(self, name: str) -> list[int]:
+        chosen = [i for i, p in enumerate(self.space.boundary.patches) if p.name == name]
+        if not chosen:
+            there = ", ".join(f"'{n}'" for n in self.space.boundary.names)
+            raise SelectionError(f"no face is named '{name}'; the names are {there}")
+        return chosen
+
+    def _flux(self, patch: int) -> float:
+        values, points, weights = self.velocity.quadrature(patch)
+        return float((values * points.normal).sum(axis=0) @ weights)
+
+    def flow_rate(self, name: str) -> float:
+        """Volume per time that enters the fluid through the faces of a name."""
+        return sum(self._flux(i) for i in self._patches(name))
+
+    def net_flux(self) -> float:
+        """∮ u·n dS, which vanishes for the exact flow; relative to what enters."""
+        fluxes = [self.flow_rate(name) for name in self.space.boundary.names]
+        return sum(fluxes) / sum(f for f in fluxes if f > 0)
+
+    def force(self, name: str) -> Array:
+        """Force (3,) of the fluid on the faces of a name, ∫ f dS."""
+        return np.sum([self.traction.integral(i) for i in self._patches(name)], axis=0)
+
+    def net_force(self) -> float:
+        """|∮ f dS|, which vanishes for the exact flow; relative to ∮ |f| dS."""
+        indices = range(len(self.space.boundary.patches))
+        parts = [self.traction.quadrature(i) for i in indices]
+        total = np.sum([values @ weights for values, _, weights in parts], axis=0)
+        size = sum(np.linalg.norm(values, axis=0) @ weights for values, _, weights in parts)
+        return float(np.linalg.norm(total) / size)
+
+    def mean_pressure(self, name: str) -> float:
+        """Mean of the pressure over the faces of a name."""
+        integral = area = 0.0
+        for i in self._patches(name):
+            parameters, _, weights = self.velocity.nodes(i)
+            integral += float(self.surface_pressure(i, *parameters) @ weights)
+            area += float(weights.sum())
+        return integral / area
