@@ -11,7 +11,7 @@ import subprocess
 import sys
 from collections import Counter
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import pi, sqrt
 from pathlib import Path
 from types import ModuleType
@@ -22,7 +22,7 @@ import pytest
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
-from cadbem.cad.write import write_cad
+from cadbem.cad import read_cad, write_cad
 from cadbem.errors import CadError
 
 ROOT = Path(__file__).parents[1]
@@ -195,6 +195,23 @@ def test_faces_and_volume(file: str, model: ModuleType) -> None:
         assert volume == pytest.approx(expected.volume, rel=tolerance)
 
 
+@pytest.mark.parametrize("file", FILES)
+def test_read_back(file: str) -> None:
+    """Volume, and the area of each name, as the closed forms say; each face is one patch.
+
+    STEP holds all digits of corners and 13 of curved surfaces, IGES ten digits.
+    """
+    expected = CASES[Path(file).stem]
+    boundary = read_cad(FOLDER / file)
+    tolerance = 1e-10 if file.endswith(".step") else 1e-7
+    assert Counter(patch.name for patch in boundary.patches) == expected.faces
+    assert boundary.unit == "mm"
+    assert boundary.volume() == pytest.approx(expected.volume, rel=tolerance)
+    for name, area in expected.areas.items():
+        patches = tuple(boundary.patches[index] for index in boundary.select(name))
+        assert replace(boundary, patches=patches).area() == pytest.approx(area, rel=tolerance)
+
+
 def test_y_junction_is_mirror_symmetric(model: ModuleType) -> None:
     """Corners in the STEP file and their mirror images about y = 5 sqrt(2): a rounding apart."""
     opened(FOLDER / "y_junction.step")
@@ -232,6 +249,15 @@ def test_writing_twice_gives_the_same_bytes(model: ModuleType, tmp_path: Path) -
         assert str(tmp_path) not in first.read_text()
 
 
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+def test_any_file_name(model: ModuleType, tmp_path: Path, suffix: str) -> None:
+    """Quotes, commas and letters beyond ASCII in the file's name do not spoil the text."""
+    path = tmp_path / f"it's a, naïve; cube{suffix}"
+    write_cad(path, {tag: "side" for tag in box(model).values()})
+    opened(path)
+    assert len(model.model.getEntities(3)) == 1 and len(model.model.getEntities(2)) == 6
+
+
 @pytest.mark.parametrize(
     ("file", "name", "message"),
     [
@@ -259,7 +285,7 @@ def test_unknown_tag_and_empty_model(model: ModuleType, tmp_path: Path) -> None:
 
 
 def test_faces_with_the_same_corners(model: ModuleType, tmp_path: Path) -> None:
-    """A ball in lobes that all run from pole to pole: one name for all is fine, two are not."""
+    """Half a ball, whose faces all run from pole to pole: one name for all is fine, two are not."""
     occ = model.model.occ
     right, left, centre = (occ.addPoint(x, 0, 0) for x in (1, -1, 0))
     meridian, axis = occ.addCircleArc(right, centre, left), occ.addLine(left, right)

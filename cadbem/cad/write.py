@@ -112,6 +112,12 @@ def _exported(suffix: str) -> str:
         return target.read_text(encoding="latin-1")
 
 
+def _plain(file: str) -> tuple[str, str]:
+    """The file's name, and that without extension, in characters that both formats allow."""
+    path = Path(re.sub(r"[^A-Za-z0-9_.+-]", "_", file)[-60:])
+    return path.name, path.stem
+
+
 @contextmanager
 def _silent_stdout() -> Iterator[None]:
     """Discard file descriptor 1: OpenCASCADE prints there whatever gmsh's verbosity is."""
@@ -129,13 +135,13 @@ def _silent_stdout() -> Iterator[None]:
 
 
 def _complete_step(text: str, model: _Model) -> str:
-    stem = Path(model.file).stem
-    header = f"FILE_NAME('{model.file}','1970-01-01T00:00:00',(''),(''),'cadbem','gmsh','');\n"
+    file, stem = _plain(model.file)
+    header = f"FILE_NAME('{file}','1970-01-01T00:00:00',(''),(''),'cadbem','gmsh','');\n"
     text = re.sub(r"FILE_NAME\(.*?\);\n", lambda _: header, text, count=1, flags=re.DOTALL)
     text = re.sub(r"'Open CASCADE STEP translator[^']*'", f"'{stem}'", text)
     text = _STEP_POINT.sub(lambda found: _sharpened(found, model), text)
     names = model.names_of(StepText(text).faces())
-    return re.sub("ADVANCED_FACE\\(''", lambda _: f"ADVANCED_FACE('{next(names)}'", text)
+    return re.sub(r"ADVANCED_FACE\(''", lambda _: f"ADVANCED_FACE('{next(names)}'", text)
 
 
 def _sharpened(found: re.Match[str], model: _Model) -> str:
@@ -144,7 +150,7 @@ def _sharpened(found: re.Match[str], model: _Model) -> str:
     index, distance = model.nearest(point)
     if distance > 1e-11 * np.abs(model.corners).max():
         return found[0]
-    digits = (repr(float(x) + 0.0).upper() for x in model.corners[index])
+    digits = (np.format_float_positional(x + 0.0) for x in model.corners[index])
     return f"{found[1]}({','.join(digits)})"
 
 
@@ -162,16 +168,15 @@ def _complete_iges(text: str, model: _Model) -> str:
             raise CadError(f"{model.file}: face name {name!r} is longer than IGES's 8 characters")
         line = sections["D"][index]
         sections["D"][index] = f"{line[:56]}{name:>8}{line[64:]}"
-    sections["G"] = _iges_global(sections["G"], model.file)
+    sections["G"] = _iges_global(sections["G"], *_plain(model.file))
     counts = "".join(f"{letter}{len(sections[letter]):7}" for letter in "SGDP")
     sections["T"] = [f"{counts:72}T      1"]
     return "\n".join(line for letter in "SGDPT" for line in sections[letter]) + "\n"
 
 
-def _iges_global(lines: list[str], file: str) -> list[str]:
+def _iges_global(lines: list[str], file: str, stem: str) -> list[str]:
     """The global section with the file's name and without dates and versions."""
     fields = "".join(line[:72].rstrip() for line in lines).rstrip(";").split(",")
-    stem = Path(file).stem
     for index, value in {2: stem, 3: file, 4: "cadbem", 5: "gmsh", 17: "19700101.000000",
                          24: "19700101.000000"}.items():  # fmt: skip
         fields[index] = f"{len(value)}H{value}"
