@@ -48,29 +48,30 @@ class View:
         return float(width / max(height, 1e-3 * width))
 
 
-def axes_by_length(bounds: Array) -> tuple[int, int, int]:
-    """Longest, middle and shortest axis of a box (2, 3); x before y before z when equal."""
-    extent = np.round(np.diff(bounds, axis=0)[0] / np.ptp(bounds, axis=0).max(), 6)
+def axes_by_length(points: Array) -> tuple[int, int, int]:
+    """Axes along which points (3, N) extend longest, less and least; x before y before z."""
+    lengths = np.ptp(points, axis=1)
+    extent = np.round(lengths / lengths.max(), 6)
     first, second, third = np.argsort(-extent, kind="stable")
     return int(first), int(second), int(third)
 
 
-def plan_view(bounds: Array, hidden: int = 2) -> View:
-    """Straight view of a box with its longest axis to the right; ``hidden`` is the rank of the
-    axis along which one looks, 2 for the shortest and 1 for the middle one."""
-    order = axes_by_length(bounds)
+def plan_view(points: Array, hidden: int = 2) -> View:
+    """Straight view of points (3, N) with their longest axis to the right; ``hidden`` is the
+    rank of the axis along which one looks, 2 for the shortest and 1 for the middle one."""
+    order = axes_by_length(points)
     right, up = np.eye(3)[order[0]], np.eye(3)[order[3 - hidden]]
     return View(right, up)
 
 
-def corner_view(bounds: Array) -> View:
-    """Oblique view of a box from the front, right and above; its longest axis runs across."""
-    return plan_view(bounds, hidden=1).turned(28.0, 32.0)
+def corner_view(points: Array) -> View:
+    """Oblique view of points (3, N) from the front, right and above; its longest axis runs across."""
+    return plan_view(points, hidden=1).turned(28.0, 32.0)
 
 
-def back_view(bounds: Array) -> View:
-    """Oblique view of a box from the corner opposite to that of ``corner_view``."""
-    return plan_view(bounds, hidden=1).turned(208.0, -32.0)
+def back_view(points: Array) -> View:
+    """Oblique view of points (3, N) from the corner opposite to that of ``corner_view``."""
+    return plan_view(points, hidden=1).turned(208.0, -32.0)
 
 
 def aim(plotter: Any, view: View, points: Array, margins: tuple[float, float] = (0, 0)) -> None:
@@ -138,4 +139,9 @@ def strip(plotter: Any) -> None:
 
 def add_axes(plotter: Any) -> None:
     """Arrows of x, y and z in the lower left corner of the panel."""
-    plotter.add_axes(color=INK, line_width=3, viewport=(0, 0, 0.16, 0.16))
+    width, height = plotter.renderer.GetSize()
+    side = 0.14 * np.sqrt(width * height)
+    plotter.add_axes(
+        color=INK, line_width=3, xlabel="x", ylabel="y", zlabel="z",
+        viewport=(0, 0, side / width, side / height),
+    )

@@ -6,7 +6,9 @@ import colorsys
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from cadbem.boundary import Boundary
+import numpy as np
+
+from cadbem.spline.basis import Array
 
 BACKGROUND = "#ffffff"
 INK = "#1a1a1a"
@@ -36,22 +38,20 @@ def _palette(count: int) -> list[str]:
     return [*PALETTE[:count], *hexadecimal]
 
 
-def quantity_label(quantity: str, boundary: Boundary) -> str:
-    """Label of a colour bar, with the unit of the quantity.
+def quantity_label(quantity: str, unit: str) -> str:
+    """Label of a colour bar, with the quantity's unit, from the ``unit`` of length.
 
     A CAD file has a unit of length only; time is in seconds and viscosity in Pa s, so that
     stresses are in Pa.  Without a unit of length everything is dimensionless.
     """
-    units = {"speed": f"{boundary.unit}/s"}
-    unit = units.get(quantity, "Pa") if boundary.unit else "dimensionless"
-    return f"{quantity} ({unit})"
+    units = {"speed": f"{unit}/s"}
+    return f"{quantity} ({units.get(quantity, 'Pa') if unit else 'dimensionless'})"
 
 
-def size_label(boundary: Boundary) -> str:
-    """Extent of the boundary's box along x, y and z in its unit."""
-    low, high = boundary.bounds()
-    extent = " × ".join(f"{length:.3g}" for length in high - low)
-    return f"x × y × z: {extent} {boundary.unit or '(dimensionless)'}"
+def size_label(points: Array, unit: str) -> str:
+    """Extent along x, y and z of points (3, N)."""
+    extent = " × ".join(f"{length:.3g}" for length in np.ptp(points, axis=1))
+    return f"x × y × z: {extent} {unit or '(dimensionless)'}"
 
 
 def colour_bar(plotter: Any, actor: Any, title: str, place: Mapping[str, float]) -> None:

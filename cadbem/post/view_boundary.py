@@ -1,0 +1,192 @@
+"""Pictures of a boundary: its faces, names and numbers, and its collocation points."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from cadbem.boundary import Boundary
+from cadbem.points import SurfacePoints
+from cadbem.post.display import load_pyvista
+from cadbem.post.fields import edge_lines, tessellated
+from cadbem.post.layout import Size, View, add_axes, aim, back_view, corner_view, panel, sheet
+from cadbem.post.legend import draw_legend
+from cadbem.post.style import (
+    BACKGROUND,
+    DEFECT,
+    FONT,
+    INK,
+    SMALL,
+    colours_of,
+    size_label,
+)
+from cadbem.spline.basis import Array
+
+
+class CollocatedSpace(Protocol):
+    """A space with its boundary and its collocation points."""
+
+    @property
+    def boundary(self) -> Boundary: ...
+
+    @property
+    def collocation(self) -> SurfacePoints: ...
+
+
+def draw_boundary(
+    boundary: Boundary,
+    path: str | Path,
+    *,
+    defects: Mapping[int, Sequence[Array]] | None = None,
+    size: Size = (1800, 1100),
+) -> Path:
+    """Picture of the faces in the colours of their names, from two opposite corners.
+
+    Every CAD face carries its number where it can be seen; those that neither view shows are
+    listed.  ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red.
+    Raises ``DisplayError`` where pictures cannot be drawn.
+    """
+    surface = tessellated(boundary)
+    lines = {face: list(curves) for face, curves in (defects or {}).items()}
+    extent = np.concatenate([surface.points.T, *sum(lines.values(), [])], axis=1)
+    views = (corner_view(extent), back_view(extent))
+    seen: set[int] = set(lines)
+    with sheet(path, size, 2, views[0].aspect(extent)) as plotter:
+        for i, view in enumerate(views):
+            panel(plotter, i)
+            _add_faces(plotter, boundary, surface, list(lines))
+            _add_lines(plotter, edge_lines(boundary), lifted(view, extent))
+            _add_defects(plotter, lines)
+            seen |= _add_numbers(plotter, surface, view)
+            add_axes(plotter)
+            aim(plotter, view, extent)
+        hidden = sorted(set(surface.cell_data["face"].tolist()) - seen - {0})
+        note = size_label(extent, boundary.unit) + _hidden_note(hidden)
+        draw_legend(plotter, _legend(boundary, bool(lines)), note)
+    return Path(path)
+
+
+def draw_collocation(
+    space: CollocatedSpace, path: str | Path, *, size: Size = (1800, 1200)
+) -> Path:
+    """Picture of the elements on the boundary and of the collocation points on them."""
+    pyvista = load_pyvista()
+    boundary = space.boundary
+    surface = tessellated(boundary, density=4)
+    extent = surface.points.T
+    view = corner_view(extent)
+    points = space.collocation.position
+    lift = lifted(view, extent)
+    with sheet(path, size, 1, view.aspect(extent)) as plotter:
+        panel(plotter, 0)
+        _add_faces(plotter, boundary, surface, [])
+        _add_lines(plotter, edge_lines(boundary, 4, elements=True), lift)
+        plotter.add_mesh(
+            pyvista.PolyData(points.T + 2 * lift),
+            color=INK,
+            point_size=_point_size(points.shape[1]),
+            render_points_as_spheres=True,
+        )
+        add_axes(plotter)
+        aim(plotter, view, extent)
+        note = f"{points.shape[1]} collocation points; {size_label(extent, boundary.unit)}"
+        draw_legend(plotter, colours_of(boundary.names), note)
+    return Path(path)
+
+
+def _point_size(count: int) -> float:
+    """Pixels across a collocation point: fewer when they crowd."""
+    return float(np.clip(400 / np.sqrt(count), 4, 12))
+
+
+def _add_faces(plotter: Any, boundary: Boundary, surface: Any, faulty: list[int]) -> None:
+    colours = colours_of(boundary.names)
+    names, faces = surface.cell_data["name"], surface.cell_data["face"]
+    broken = np.isin(faces, faulty)
+    for i, name in enumerate(boundary.names):
+        _add_part(plotter, surface, (names == i) & ~broken, colours[name])
+    _add_part(plotter, surface, broken, DEFECT)
+
+
+def _add_part(plotter: Any, surface: Any, mask: Array, colour: str) -> None:
+    if mask.any():
+        part = surface.extract_cells(np.flatnonzero(mask))
+        plotter.add_mesh(part, color=colour, ambient=0.5, diffuse=0.5, smooth_shading=True)
+
+
+def lifted(view: View, extent: Array) -> Array:
+    """Shift (3,) towards the viewer that brings lines clear of the surface they lie on."""
+    return 1e-3 * np.ptp(extent, axis=1).max() * view.toward
+
+
+def _add_lines(plotter: Any, lines: Any, lift: Array) -> None:
+    plotter.add_mesh(lines.translate(lift), color=INK, line_width=2)
+
+
+def _add_defects(plotter: Any, lines: Mapping[int, list[Array]]) -> None:
+    pyvista = load_pyvista()
+    for face, curves in lines.items():
+        for curve in curves:
+            mesh = pyvista.MultipleLines(curve.T)
+            plotter.add_mesh(mesh, color=DEFECT, line_width=5)
+        middle = np.concatenate(curves, axis=1).mean(axis=1)
+        _add_labels(plotter, middle[:, None], [face], DEFECT)
+
+
+def _add_numbers(plotter: Any, surface: Any, view: View) -> set[int]:
+    """Numbers on the faces that the view shows, near their middles; returns those faces."""
+    spots = visible_spots(surface, view)
+    if spots:
+        _add_labels(plotter, np.stack(list(spots.values()), axis=1), list(spots), INK)
+    return set(spots)
+
+
+def _add_labels(plotter: Any, positions: Array, labels: list[int], colour: str) -> None:
+    plotter.add_point_labels(
+        positions.T,
+        [str(label) for label in labels],
+        font_family=FONT,
+        font_size=SMALL,
+        bold=False,
+        text_color=colour,
+        shape=None,
+        background_color=BACKGROUND,
+        background_opacity=0.75,
+        show_points=False,
+        always_visible=True,
+        justification_horizontal="center",
+        justification_vertical="center",
+    )
+
+
+def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, Array]:
+    """For each CAD face a point (3,) on it that the viewer sees, nearest to the face's middle."""
+    triangles = surface.triangulate()
+    reach = 2 * surface.length
+    centres = surface.cell_centers().points
+    outward = -np.asarray(surface.compute_normals(
+        point_normals=False, auto_orient_normals=False, consistent_normals=False
+    ).cell_data["Normals"])
+    spots: dict[int, Array] = {}
+    for face in np.unique(surface.cell_data["face"]):
+        own = np.flatnonzero(surface.cell_data["face"] == face)
+        middle = centres[own].mean(axis=0)
+        facing = own[outward[own] @ view.toward > 0.05]
+        order = facing[np.argsort(np.linalg.norm(centres[facing] - middle, axis=1))]
+        for cell in order[:: max(1, len(order) // candidates)]:
+            start = centres[cell] + 1e-4 * reach * outward[cell]
+            if not len(triangles.ray_trace(start, start + reach * view.toward)[0]):
+                spots[int(face)] = start
+                break
+    return spots
+
+
+def _legend(boundary: Boundary, faulty: bool) -> dict[str, str]:
+    return colours_of(boundary.names) | ({"cannot be used": DEFECT} if faulty else {})
+
+
+def _hidden_note(faces: list[int]) -> str:
+    return f"; faces hidden in both views: {', '.join(map(str, faces))}" if faces else ""
