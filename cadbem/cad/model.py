@@ -45,6 +45,11 @@ class CadModel:
         points = _edge_points(face)
         return 0.5 * (points.min(axis=0) + points.max(axis=0)) / self.unit.millimetres
 
+    def bounds(self) -> Array:
+        """Corners (2, 3) of the box of all edges, in the file's unit."""
+        points = np.concatenate([_edge_points(face) for face in self.faces])
+        return np.stack([points.min(axis=0), points.max(axis=0)]) / self.unit.millimetres
+
     def label(self, face: BrepFace) -> str:
         """The face in words: number, name, kind, edges, holes, place."""
         name = self.names.get(face.number, "")
