@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import runpy
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, NoReturn
 
@@ -126,7 +127,53 @@ def _add_warmup(commands: argparse._SubParsersAction) -> None:
 def _info(options: argparse.Namespace) -> None:
     from cadbem.cad import inspect_cad
 
-    print(_described(inspect_cad(options.file)))
+    report = inspect_cad(options.file)
+    print("\n".join([*_face_table(report), "", *_totals(report), "", *_verdict(report)]))
+
+
+def _face_table(report: CadReport) -> list[str]:
+    size = abs(report.bounds).max()
+    rows = [["face", "name", "kind", "degrees", "patches", "area", "centre", "problem"]]
+    for face in report.faces:
+        degrees = "x".join(str(degree) for degree in face.degrees) or "-"
+        numbers = [degrees, str(face.patches), _number(face.area, 6), _vector(face.centre, size)]
+        problem = "yes, see below" if face.problem else ""
+        rows.append([str(face.number), face.name or "-", face.kind, *numbers, problem])
+    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
+    return [
+        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
+        for row in rows
+    ]
+
+
+def _totals(report: CadReport) -> list[str]:
+    unit = report.unit or "units"
+    low, high = (_vector(corner, abs(report.bounds).max()) for corner in report.bounds)
+    return [
+        f"file    {report.file}",
+        f"unit    {unit}",
+        f"faces   {len(report.faces)} in {sum(face.patches for face in report.faces)} patches",
+        f"area    {_number(report.area, 10)} {unit}^2",
+        f"volume  {_number(report.volume, 10)} {unit}^3",
+        f"extent  {low} to {high} {unit}",
+        f"gap     {_number(report.gap, 2)} {unit}, the largest between neighbouring faces",
+    ]
+
+
+def _verdict(report: CadReport) -> list[str]:
+    if not report.problems:
+        return ["No problems: read_cad accepts this file."]
+    return ["Problems:", *(f"- {problem}" for problem in report.problems)]
+
+
+def _number(value: float, digits: int) -> str:
+    return "unknown" if isnan(value) else f"{value:.{digits}g}"
+
+
+def _vector(values: Iterable[float], size: float) -> str:
+    """Coordinates, without the rounding errors that stand for zeros in a model of this size."""
+    cleaned = (value if abs(value) > 1e-9 * size else 0.0 for value in values)
+    return f"({', '.join(f'{value:.4g}' for value in cleaned)})"
 
 
 def _view(options: argparse.Namespace) -> None:

@@ -19,7 +19,7 @@ from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.spline.basis import Array, basis_matrix, greville
 from cadbem.spline.nurbs import Nurbs
 
-END_SHIFT = 0.4  # how far end points move towards their neighbours: see ``discontinuous_space``
+END_SHIFT = 0.3  # how far end points move towards their neighbours: see ``discontinuous_space``
 
 
 @dataclass(frozen=True, eq=False)

@@ -25,9 +25,12 @@ FILES = {
 
 
 def imports(path: Path) -> set[str]:
-    """Modules a file imports, inside functions too; ``from package import module`` in full."""
-    found = set()
-    for node in ast.walk(ast.parse(path.read_text())):
+    """Modules a file imports, inside functions too, but not for types alone."""
+    tree, found = ast.parse(path.read_text()), set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.If) and ast.unparse(node.test) == "TYPE_CHECKING":
+            node.body = []
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom):

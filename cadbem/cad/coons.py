@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from cadbem.cad.curves import arc
 from cadbem.spline.basis import Array, greville, multiplicities
 from cadbem.spline.nurbs import Nurbs
 
@@ -30,31 +29,41 @@ def coons_patch(curves: list[Nurbs]) -> Nurbs:
         (1 - xi) * north[:1] + xi * north[-1:]
     )
     degrees = (bottom.degrees[0], left.degrees[0])
-    return Nurbs.from_homogeneous(degrees, (bottom.knots[0], left.knots[0]), between - corners)
+    control = between - corners
+    if control[..., -1].min() <= 0:
+        raise ValueError("weights vanish inside the Coons patch")
+    return Nurbs.from_homogeneous(degrees, (bottom.knots[0], left.knots[0]), control)
 
 
-def disk_patches(origin: Array, x: Array, y: Array, start: float) -> list[Nurbs]:
-    """The region inside O + cos t X + sin t Y: a square core and four pieces around it.
+def round_patches(rim: list[Nurbs]) -> list[Nurbs]:
+    """The region inside four curves that may meet smoothly: a square core, four pieces around.
 
-    The pieces of the rim begin at t = `start`.
+    Raises ValueError as `coons_patch` does.
     """
-    angles = start + np.pi / 2 * np.arange(5)
-    rim = [origin + np.cos(t) * x + np.sin(t) * y for t in angles]
-    core = [0.5 * (origin + point) for point in rim]
-    inner = [segment(core[k], core[k + 1]) for k in range(4)]
-    outer = [arc(origin, x, y, (angles[k], angles[k + 1])) for k in range(4)]
+    corners = [curve.points[0] for curve in rim]
+    centre = np.mean(corners, axis=0)
+    core = [0.5 * (centre + corner) for corner in corners]
+    inner = [segment(core[k], core[(k + 1) % 4]) for k in range(4)]
+    spokes = [segment(core[k], corners[k]) for k in range(4)]
     ring = [
-        coons_patch(
-            [
-                segment(core[k], rim[k]),
-                outer[k],
-                segment(rim[k + 1], core[k + 1]),
-                inner[k].reversed(),
-            ]
-        )
+        coons_patch([spokes[k], rim[k], spokes[(k + 1) % 4].reversed(), inner[k].reversed()])
         for k in range(4)
     ]
     return [coons_patch(inner), *ring]
+
+
+def star_patches(halves: list[list[Nurbs]]) -> list[Nurbs]:
+    """The region inside sides given as two halves each: one patch a corner, round the centre.
+
+    Raises ValueError as `coons_patch` does.
+    """
+    middles = [first.points[-1] for first, _ in halves]
+    centre = np.mean([*middles, *[first.points[0] for first, _ in halves]], axis=0)
+    spokes = [segment(centre, middle) for middle in middles]
+    return [
+        coons_patch([spokes[k - 1], halves[k - 1][1], halves[k][0], spokes[k].reversed()])
+        for k in range(len(halves))
+    ]
 
 
 def segment(start: Array, end: Array) -> Nurbs:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cadbem.cad.brep import BrepFace, EdgeUse
-from cadbem.cad.curves import curve_nurbs
+from cadbem.cad.face_geometry import points_on
 from cadbem.spline.basis import Array
 
 MATCH = 1e-6  # distance, per size of the model, within which corners are the same
@@ -63,11 +63,9 @@ def _mark_of(face: BrepFace) -> FaceMark:
 def _middle(use: EdgeUse) -> Array:
     assert use.curve is not None
     if use.curve.spline is not None:
-        point = use.curve.spline.points.mean(axis=0)
-    else:
-        curve = curve_nurbs(use.curve, use.interval)
-        point = curve.evaluate(0.5 * (curve.knots[0][0] + curve.knots[0][-1]))
-    return use.matrix[:3, :3] @ point + use.matrix[:3, 3]
+        return use.matrix[:3, :3] @ use.curve.spline.points.mean(axis=0) + use.matrix[:3, 3]
+    points = points_on(use)
+    return points[len(points) // 2]
 
 
 def _distinct(mark: FaceMark) -> FaceMark:

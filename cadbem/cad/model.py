@@ -10,9 +10,10 @@ import numpy as np
 
 from cadbem.boundary import Patch
 from cadbem.cad.brep import BrepFace, EdgeUse, read_brep
+from cadbem.cad.face_geometry import edge_points, points_on, shape_of
 from cadbem.cad.iges_text import IgesText
 from cadbem.cad.kernel import KernelModel, import_model
-from cadbem.cad.layouts import face_patches, shape_of, world_curve
+from cadbem.cad.layouts import face_patches
 from cadbem.cad.marks import FaceMark, Unit, match_names
 from cadbem.cad.source import CadSource, read_source
 from cadbem.cad.step_text import StepText
@@ -42,12 +43,12 @@ class CadModel:
 
     def centre(self, face: BrepFace) -> Array:
         """Middle of the box round the face's edges, in the file's unit."""
-        points = _edge_points(face)
+        points = edge_points(face)
         return 0.5 * (points.min(axis=0) + points.max(axis=0)) / self.unit.millimetres
 
     def bounds(self) -> Array:
         """Corners (2, 3) of the box of all edges, in the file's unit."""
-        points = np.concatenate([_edge_points(face) for face in self.faces])
+        points = np.concatenate([edge_points(face) for face in self.faces])
         return np.stack([points.min(axis=0), points.max(axis=0)]) / self.unit.millimetres
 
     def label(self, face: BrepFace) -> str:
@@ -101,10 +102,8 @@ class CadModel:
         return problems
 
     def _edge_place(self, use: EdgeUse) -> str:
-        curve = world_curve(use)
-        assert curve is not None
-        middle = curve.evaluate(0.5 * sum(curve.domain[0]))
-        return self.place(middle / self.unit.millimetres)
+        points = points_on(use)
+        return self.place(points[len(points) // 2] / self.unit.millimetres)
 
 
 def open_model(path: str | Path, time_limit: float) -> CadModel:
@@ -148,20 +147,13 @@ def _boundary_faces(faces: list[BrepFace]) -> tuple[BrepFace, ...]:
 
 
 def _check_size(file: str, faces: tuple[BrepFace, ...]) -> None:
-    points = np.concatenate([_edge_points(face) for face in faces])
+    points = np.concatenate([edge_points(face) for face in faces])
     size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
     if not SMALLEST < size < LARGEST:  # also if not a number
         raise CadError(
             f"{file}: the model is {size:.3g} mm large, which the CAD kernel cannot handle "
             f"({SMALLEST:g} to {LARGEST:g} mm); check the unit or scale it"
         )
-    bare = [face.number for face in faces if not len(_edge_points(face))]
+    bare = [face.number for face in faces if not len(edge_points(face))]
     if bare:
         raise CadError(f"{file}: face {bare[0]} has no edges; export it again, perhaps larger")
-
-
-def _edge_points(face: BrepFace) -> Array:
-    """Points (n, 3) along the face's edges, in millimetres."""
-    curves = [curve for loop in face.loops for use in loop if (curve := world_curve(use))]
-    points = [c.evaluate(np.linspace(*c.domain[0], 9)).T for c in curves]
-    return np.concatenate(points) if points else np.zeros((0, 3))

@@ -13,8 +13,8 @@ from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.brep import BrepFace
+from cadbem.cad.face_geometry import points_on
 from cadbem.cad.gaps import largest_distance
-from cadbem.cad.layouts import world_curve
 from cadbem.cad.model import CadModel, open_model
 from cadbem.cad.read import REMEDY, oriented
 from cadbem.errors import CadError
@@ -126,9 +126,8 @@ def _largest_gap(model: CadModel, patches: dict[int, list[Patch]]) -> float:
     gap = 0.0
     for face in tqdm(model.faces, desc="gaps", delay=2):
         uses = [use for loop in face.loops for use in loop if counts[use.key] > 1]
-        curves = [curve for use in uses if (curve := world_curve(use)) is not None]
-        if curves:
-            samples = [c.evaluate(np.linspace(*c.domain[0], 5)) for c in curves]
-            points = np.concatenate(samples, axis=1) / model.unit.millimetres
-            gap = max(gap, largest_distance(points, patches[face.number]))
+        points = [points_on(use).T for use in uses if use.curve is not None]
+        if points:
+            places = np.concatenate(points, axis=1) / model.unit.millimetres
+            gap = max(gap, largest_distance(places, patches[face.number]))
     return gap

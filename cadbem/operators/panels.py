@@ -12,6 +12,7 @@ from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
 WIDEST_TURN = np.deg2rad(50.0)  # a rational arc wider than this asks for higher orders
+SAME_PARAMETER = 1e-10  # share of a panel below which parameters count as equal
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,12 +69,15 @@ class Panels:
     def locate(self, direction: int, parameter: Array) -> Array:
         """Whether parameters (T,) lie in each closed panel interval: bool (T, P)."""
         breaks = self.breaks[direction]
-        return (parameter[:, None] >= breaks[:-1]) & (parameter[:, None] <= breaks[1:])
+        low = breaks[:-1] - SAME_PARAMETER * np.diff(breaks)
+        high = breaks[1:] + SAME_PARAMETER * np.diff(breaks)
+        return (parameter[:, None] >= low) & (parameter[:, None] <= high)
 
     def local(self, direction: int, parameter: Array, panel: Array) -> Array:
         """Parameters within their panels, in [0, 1]."""
         breaks = self.breaks[direction]
-        return (parameter - breaks[panel]) / (breaks[panel + 1] - breaks[panel])
+        share = (parameter - breaks[panel]) / (breaks[panel + 1] - breaks[panel])
+        return np.clip(share, 0.0, 1.0)
 
 
 def split_patch(surface: Nurbs) -> Panels:

@@ -65,7 +65,7 @@ def plan_view(points: Array, hidden: int = 2) -> View:
 
 
 def corner_view(points: Array) -> View:
-    """Oblique view of points (3, N) from the front, right and above; its longest axis runs across."""
+    """Oblique view of points (3, N) from the front, right and above; longest axis across."""
     return plan_view(points, hidden=1).turned(28.0, 32.0)
 
 

@@ -41,11 +41,10 @@ def _palette(count: int) -> list[str]:
 def quantity_label(quantity: str, unit: str) -> str:
     """Label of a colour bar, with the quantity's unit, from the ``unit`` of length.
 
-    A CAD file has a unit of length only; time is in seconds and viscosity in Pa s, so that
-    stresses are in Pa.  Without a unit of length everything is dimensionless.
+    A CAD file knows a unit of length only; those of time and viscosity are the user's.
     """
-    units = {"speed": f"{unit}/s"}
-    return f"{quantity} ({units.get(quantity, 'Pa') if unit else 'dimensionless'})"
+    units = {"speed": f"{unit} / time"}
+    return f"{quantity} ({units.get(quantity, 'viscosity / time') if unit else 'dimensionless'})"
 
 
 def size_label(points: Array, unit: str) -> str:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
 from cadbem.points import SurfacePoints
@@ -49,7 +50,7 @@ def draw_boundary(
     listed.  ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red.
     Raises ``DisplayError`` where pictures cannot be drawn.
     """
-    surface = tessellated(boundary)
+    surface = tessellated(boundary, density=16)
     lines = {face: list(curves) for face, curves in (defects or {}).items()}
     extent = np.concatenate([surface.points.T, *sum(lines.values(), [])], axis=1)
     views = (corner_view(extent), back_view(extent))
@@ -58,7 +59,7 @@ def draw_boundary(
         for i, view in enumerate(views):
             panel(plotter, i)
             _add_faces(plotter, boundary, surface, list(lines))
-            _add_lines(plotter, edge_lines(boundary), lifted(view, extent))
+            _add_lines(plotter, edge_lines(boundary, 16), lifted(view, extent))
             _add_defects(plotter, lines)
             seen |= _add_numbers(plotter, surface, view)
             add_axes(plotter)
@@ -111,7 +112,7 @@ def _add_faces(plotter: Any, boundary: Boundary, surface: Any, faulty: list[int]
     _add_part(plotter, surface, broken, DEFECT)
 
 
-def _add_part(plotter: Any, surface: Any, mask: Array, colour: str) -> None:
+def _add_part(plotter: Any, surface: Any, mask: NDArray[np.bool_], colour: str) -> None:
     if mask.any():
         part = surface.extract_cells(np.flatnonzero(mask))
         plotter.add_mesh(part, color=colour, ambient=0.5, diffuse=0.5, smooth_shading=True)
@@ -174,7 +175,7 @@ def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, A
     for face in np.unique(surface.cell_data["face"]):
         own = np.flatnonzero(surface.cell_data["face"] == face)
         middle = centres[own].mean(axis=0)
-        facing = own[outward[own] @ view.toward > 0.05]
+        facing = own[outward[own] @ view.toward > 0.15]
         order = facing[np.argsort(np.linalg.norm(centres[facing] - middle, axis=1))]
         for cell in order[:: max(1, len(order) // candidates)]:
             start = centres[cell] + 1e-4 * reach * outward[cell]
