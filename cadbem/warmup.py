@@ -1,0 +1,28 @@
+"""Compiles the kernels ahead by solving the smallest flow that uses all of them."""
+
+from __future__ import annotations
+
+import numpy as np
+from tqdm import tqdm
+
+from cadbem.boundary import Boundary, Patch
+from cadbem.problems.conditions import Inflow, NoSlip, Pressure
+from cadbem.problems.stokes import StokesProblem
+from cadbem.spline.shapes import box
+
+
+def warm_up(progress: bool = True) -> None:
+    """Run every compiled function once; numba keeps the machine code on disk."""
+    names = ("inlet", "outlet", "walls", "walls", "walls", "walls")
+    patches = [Patch(s, n, i + 1) for i, (s, n) in enumerate(zip(box(), names, strict=True))]
+    boundary = Boundary(tuple(patches)).elevated(2).refined(2)
+    conditions = {"inlet": Inflow(mean_velocity=1.0), "outlet": Pressure(0.0), "walls": NoSlip()}
+    problem = StokesProblem(boundary, 1.0, conditions)
+    points = np.array([[0.5, 0.5], [0.5, 0.5], [0.5, 1e-3]])
+    steps = (
+        lambda: problem.layers,
+        lambda: problem.solve().velocity_at(points),
+        lambda: problem.solve().pressure_at(points),
+    )
+    for step in tqdm(steps, desc="compiling", disable=not progress):
+        step()

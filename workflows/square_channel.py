@@ -1,0 +1,63 @@
+"""Stokes flow through a square channel, against the exact solution.
+
+Width and height 1, length 2, mean velocity 1, viscosity 1: the pressure gradient of the
+developed flow is -28.4541538 (Fourier series of the duct flow).
+"""
+
+from math import ceil
+from pathlib import Path
+
+import cadbem as cb
+
+GEOMETRY = Path(__file__).parents[1] / "geometries" / "square_channel.step"
+LENGTH, EXACT_GRADIENT = 2.0, -28.454153769562279  # the latter in viscosity U / W²
+
+
+def main(
+    output: str = "results/square_channel",
+    spans: int = 7,
+    degree: int = 2,
+    mesh_size: float = 0.06,
+) -> cb.StokesSolution:
+    # Geometry: elements of 1 / spans across, and somewhat finer than twice as many along
+    along = ceil(spans * 17 / 7)
+    channel = cb.read_cad(GEOMETRY).elevated(degree)
+    channel = channel.refined(size=(LENGTH / along, 1 / spans, 1 / spans))
+
+    # Problem: the exact profile enters; at the outlet the flow leaves straight at pressure zero
+    problem = cb.StokesProblem(
+        channel,
+        viscosity=1.0,
+        conditions={
+            "inlet": cb.Inflow(mean_velocity=1.0),
+            "outlet": cb.Pressure(0.0),
+            "walls": cb.NoSlip(),
+        },
+    )
+    solution = problem.solve()
+
+    # Checks against the exact flow
+    drop = solution.mean_pressure("inlet") - solution.mean_pressure("outlet")
+    gradient = -drop / LENGTH
+    print(f"{solution.space.count} collocation points, degree {degree}")
+    print(f"net flux / inflow  {solution.net_flux():10.2e}")
+    print(f"net force / forces {solution.net_force():10.2e}")
+    print(f"pressure gradient  {gradient:10.5f}  ({gradient / EXACT_GRADIENT - 1:+.3%})")
+
+    # Pictures, and files for ParaView
+    if output:
+        folder = cb.fresh_folder(output)
+        cb.draw_boundary(channel, folder / "faces.png")
+        cb.draw_collocation(solution.space, folder / "collocation.png")
+        cb.draw_traction(solution, folder / "traction.png")
+        points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
+        grid = cb.volume_grid(points, tetrahedra, solution)
+        cb.draw_slices(grid, channel, folder / "slices.png")
+        cb.draw_streamlines(grid, channel, folder / "streamlines.png")
+        cb.write_vtu(folder / "volume.vtu", grid)
+        print(f"pictures and ParaView files are in {folder}")
+    return solution
+
+
+if __name__ == "__main__":
+    cb.run(main)
