@@ -10,25 +10,58 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cadbem.boundary import Boundary as Boundary
     from cadbem.boundary import Patch as Patch
+    from cadbem.cad import inspect_cad as inspect_cad
+    from cadbem.cad import mesh_volume as mesh_volume
+    from cadbem.cad import read_cad as read_cad
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
     from cadbem.errors import SelectionError as SelectionError
+    from cadbem.post import draw_boundary as draw_boundary
+    from cadbem.post import draw_collocation as draw_collocation
+    from cadbem.post import draw_slices as draw_slices
+    from cadbem.post import draw_streamlines as draw_streamlines
+    from cadbem.post import draw_traction as draw_traction
+    from cadbem.post import volume_grid as volume_grid
+    from cadbem.post import write_mesh as write_mesh
+    from cadbem.post import write_vtu as write_vtu
+    from cadbem.problems.conditions import Inflow as Inflow
+    from cadbem.problems.conditions import NoSlip as NoSlip
+    from cadbem.problems.conditions import Pressure as Pressure
+    from cadbem.problems.conditions import Traction as Traction
+    from cadbem.problems.conditions import Velocity as Velocity
+    from cadbem.problems.solution import StokesSolution as StokesSolution
+    from cadbem.problems.stokes import StokesProblem as StokesProblem
+    from cadbem.quadrature.options import Quadrature as Quadrature
+    from cadbem.space import Field as Field
+    from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
 
 __version__ = "0.1.0"
 
-_MODULES = {
-    "Boundary": "cadbem.boundary",
-    "CadError": "cadbem.errors",
-    "CadbemError": "cadbem.errors",
-    "ConditionError": "cadbem.errors",
-    "DisplayError": "cadbem.errors",
-    "Nurbs": "cadbem.spline",
-    "Patch": "cadbem.boundary",
-    "SelectionError": "cadbem.errors",
+_NAMES = {
+    "boundary": ("Boundary", "Patch"),
+    "cad": ("inspect_cad", "mesh_volume", "read_cad"),
+    "errors": ("CadError", "CadbemError", "ConditionError", "DisplayError", "SelectionError"),
+    "post": (
+        "draw_boundary",
+        "draw_collocation",
+        "draw_slices",
+        "draw_streamlines",
+        "draw_traction",
+        "volume_grid",
+        "write_mesh",
+        "write_vtu",
+    ),
+    "problems.conditions": ("Inflow", "NoSlip", "Pressure", "Traction", "Velocity"),
+    "problems.solution": ("StokesSolution",),
+    "problems.stokes": ("StokesProblem",),
+    "quadrature.options": ("Quadrature",),
+    "space": ("Field", "Space"),
+    "spline": ("Nurbs",),
 }
+_MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}
 
 
 def __getattr__(name: str) -> Any:
