@@ -1,1 +1,26 @@
-"""Placeholder."""
+"""Pictures and files of boundaries and flows."""
+
+from cadbem.post.bezier import bezier_grid
+from cadbem.post.display import require_display
+from cadbem.post.export import write_mesh, write_vtu
+from cadbem.post.fields import edge_lines, tessellated, wall_stresses
+from cadbem.post.view_boundary import draw_boundary, draw_collocation
+from cadbem.post.view_flow import draw_slices, draw_streamlines
+from cadbem.post.view_walls import draw_traction
+from cadbem.post.volume import volume_grid
+
+__all__ = [
+    "bezier_grid",
+    "draw_boundary",
+    "draw_collocation",
+    "draw_slices",
+    "draw_streamlines",
+    "draw_traction",
+    "edge_lines",
+    "require_display",
+    "tessellated",
+    "volume_grid",
+    "wall_stresses",
+    "write_mesh",
+    "write_vtu",
+]

@@ -142,6 +142,10 @@ def add_axes(plotter: Any) -> None:
     width, height = plotter.renderer.GetSize()
     side = 0.14 * np.sqrt(width * height)
     plotter.add_axes(
-        color=INK, line_width=3, xlabel="x", ylabel="y", zlabel="z",
+        color=INK,
+        line_width=3,
+        xlabel="x",
+        ylabel="y",
+        zlabel="z",
         viewport=(0, 0, side / width, side / height),
     )

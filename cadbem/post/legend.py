@@ -26,7 +26,10 @@ def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> Non
         for left, name in row:
             box = (left, left + _SWATCH, bottom, bottom + 0.8 * SMALL, 0, 0)
             plotter.add_mesh(
-                pyvista.Box(box), color=by_name[name], lighting=False, show_edges=True,
+                pyvista.Box(box),
+                color=by_name[name],
+                lighting=False,
+                show_edges=True,
                 edge_color=INK,
             )
             _write(plotter, name, left + _SWATCH + 8, bottom, size)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import colorsys
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -53,20 +53,40 @@ def size_label(points: Array, unit: str) -> str:
     return f"x × y × z: {extent} {unit or '(dimensionless)'}"
 
 
-def colour_bar(plotter: Any, actor: Any, title: str, place: Mapping[str, float]) -> None:
-    """A horizontal colour bar for what ``actor`` shows, in the panel that is drawn at present."""
-    plotter.add_scalar_bar(
+def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) -> None:
+    """A horizontal colour bar in the panel drawn at present, a strip, for what ``actor`` shows.
+
+    ``left`` and ``width`` in parts of the strip's width.
+    """
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    bar = plotter.add_scalar_bar(
         title,
         mapper=actor.mapper,
         vertical=False,
-        n_labels=5,
-        fmt="{:.3g}",
+        fmt="{:.6g}",
         color=INK,
         font_family=FONT,
-        title_font_size=TEXT,
         label_font_size=SMALL,
-        **place,
+        unconstrained_font_size=True,
+        position_x=left,
+        position_y=0.25,
+        width=width,
+        height=0.4,
     )
+    bar.SetTitle("")
+    bar.SetTextPositionToPrecedeScalarBar()
+    bar.SetUseCustomLabels(True)
+    bar.SetCustomLabels(numpy_to_vtk(round_values(*actor.mapper.scalar_range), deep=True))
+    add_text(plotter, title, (left, 0.72))
+
+
+def round_values(low: float, high: float, count: int = 5) -> Array:
+    """About ``count`` values between two limits, multiples of 1, 2 or 5 times a power of ten."""
+    rough = max((high - low) / count, 1e-300)
+    power = 10.0 ** np.floor(np.log10(rough))
+    step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / rough)))
+    return step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
 
 
 def add_text(plotter: Any, text: str, position: tuple[float, float], size: int = TEXT) -> None:

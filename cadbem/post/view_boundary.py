@@ -15,6 +15,7 @@ from cadbem.post.display import load_pyvista
 from cadbem.post.fields import edge_lines, tessellated
 from cadbem.post.layout import Size, View, add_axes, aim, back_view, corner_view, panel, sheet
 from cadbem.post.legend import draw_legend
+from cadbem.post.scene import add_lines, lifted
 from cadbem.post.style import (
     BACKGROUND,
     DEFECT,
@@ -59,7 +60,7 @@ def draw_boundary(
         for i, view in enumerate(views):
             panel(plotter, i)
             _add_faces(plotter, boundary, surface, list(lines))
-            _add_lines(plotter, edge_lines(boundary, 16), lifted(view, extent))
+            add_lines(plotter, edge_lines(boundary, 16), lifted(view, extent))
             _add_defects(plotter, lines)
             seen |= _add_numbers(plotter, surface, view)
             add_axes(plotter)
@@ -84,7 +85,7 @@ def draw_collocation(
     with sheet(path, size, 1, view.aspect(extent)) as plotter:
         panel(plotter, 0)
         _add_faces(plotter, boundary, surface, [])
-        _add_lines(plotter, edge_lines(boundary, 4, elements=True), lift)
+        add_lines(plotter, edge_lines(boundary, 4, elements=True), lift)
         plotter.add_mesh(
             pyvista.PolyData(points.T + 2 * lift),
             color=INK,
@@ -116,15 +117,6 @@ def _add_part(plotter: Any, surface: Any, mask: NDArray[np.bool_], colour: str) 
     if mask.any():
         part = surface.extract_cells(np.flatnonzero(mask))
         plotter.add_mesh(part, color=colour, ambient=0.5, diffuse=0.5, smooth_shading=True)
-
-
-def lifted(view: View, extent: Array) -> Array:
-    """Shift (3,) towards the viewer that brings lines clear of the surface they lie on."""
-    return 1e-3 * np.ptp(extent, axis=1).max() * view.toward
-
-
-def _add_lines(plotter: Any, lines: Any, lift: Array) -> None:
-    plotter.add_mesh(lines.translate(lift), color=INK, line_width=2)
 
 
 def _add_defects(plotter: Any, lines: Mapping[int, list[Array]]) -> None:
@@ -168,9 +160,11 @@ def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, A
     triangles = surface.triangulate()
     reach = 2 * surface.length
     centres = surface.cell_centers().points
-    outward = -np.asarray(surface.compute_normals(
-        point_normals=False, auto_orient_normals=False, consistent_normals=False
-    ).cell_data["Normals"])
+    outward = -np.asarray(
+        surface.compute_normals(
+            point_normals=False, auto_orient_normals=False, consistent_normals=False
+        ).cell_data["Normals"]
+    )
     spots: dict[int, Array] = {}
     for face in np.unique(surface.cell_data["face"]):
         own = np.flatnonzero(surface.cell_data["face"] == face)

@@ -1,0 +1,165 @@
+"""Pictures of the flow inside: speed on cutting planes, streamlines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cadbem.boundary import Boundary, Patch
+from cadbem.points import surface_points
+from cadbem.post.display import load_pyvista
+from cadbem.post.layout import (
+    Size,
+    add_axes,
+    aim,
+    axes_by_length,
+    corner_view,
+    panel,
+    plan_view,
+    sheet,
+    strip,
+)
+from cadbem.post.scene import add_channel
+from cadbem.post.style import (
+    COLOUR_MAP,
+    SMALL,
+    add_text,
+    colour_bar,
+    quantity_label,
+    size_label,
+)
+from cadbem.spline.basis import Array
+
+
+def draw_slices(
+    grid: Any, boundary: Boundary, path: str | Path, *, sections: int = 7, size: Size = (1800, 1300)
+) -> Path:
+    """Picture of the speed on the lengthwise middle planes and on cross-sections, and of the
+    pressure on the first of these planes.
+
+    ``grid`` is a ``volume_grid``; its mesh must be fine enough for the colours to be smooth.
+    """
+    extent = grid.points.T
+    longest, middle, shortest = axes_by_length(extent)
+    flat = [_plane(grid, shortest, 0.5)]
+    across = [_plane(grid, longest, (k + 0.5) / sections) for k in range(sections)]
+    shown = [
+        (plan_view(extent), "speed", flat),
+        (plan_view(extent, hidden=1), "speed", [_plane(grid, middle, 0.5)]),
+        (corner_view(extent), "speed", across),
+        (plan_view(extent), "pressure", flat),
+    ]
+    bars = {}
+    with sheet(path, size, len(shown), shown[0][0].aspect(extent)) as plotter:
+        for i, (view, quantity, planes) in enumerate(shown):
+            panel(plotter, i)
+            for plane in planes:
+                bars[quantity] = _add_colours(plotter, grid, plane, quantity)
+            add_channel(plotter, boundary, view)
+            aim(plotter, view, extent)
+            add_axes(plotter)
+        _add_bars(plotter, bars, boundary, extent)
+    return Path(path)
+
+
+def draw_streamlines(
+    grid: Any, boundary: Boundary, path: str | Path, *, lines: int = 60, size: Size = (1800, 1200)
+) -> Path:
+    """Picture of about ``lines`` streamlines from the openings where fluid enters, in a
+    transparent channel, coloured by speed; ``grid`` is a ``volume_grid``.
+    """
+    pyvista = load_pyvista()
+    extent = grid.points.T
+    view = corner_view(extent)
+    streams = grid.streamlines_from_source(
+        pyvista.PolyData(inflow_seeds(grid, boundary, lines)),
+        vectors="velocity",
+        integration_direction="forward",
+        initial_step_length=0.1,
+        max_step_length=0.2,
+        max_steps=20000,
+        terminal_speed=1e-4 * _speed_limits(grid)[1],
+        compute_vorticity=False,
+    )
+    tubes = streams.tube(radius=0.002 * np.linalg.norm(np.ptp(extent, axis=1)), n_sides=6)
+    with sheet(path, size, 1, view.aspect(extent)) as plotter:
+        panel(plotter, 0)
+        actor = _add_colours(plotter, grid, tubes, "speed")
+        add_channel(plotter, boundary, view)
+        aim(plotter, view, extent)
+        add_axes(plotter)
+        _add_bars(plotter, {"speed": actor}, boundary, extent)
+    return Path(path)
+
+
+def inflow_seeds(grid: Any, boundary: Boundary, count: int) -> Array:
+    """About ``count`` points (N, 3), evenly spread just inside where fluid enters."""
+    depth = 2e-3 * float(np.ptp(grid.points, axis=0).max())
+    slow = 0.01 * _speed_limits(grid)[1]
+    inlets = [p for p in boundary.patches if _inflow(grid, p, depth) > slow]
+    area = sum(float(p.quadrature(4)[1].sum()) for p in inlets)
+    spacing = np.sqrt(area / count)
+    return np.concatenate([_spread(patch, spacing, depth) for patch in inlets])
+
+
+def _plane(grid: Any, axis: int, share: float) -> Any:
+    """Cut across an axis at a share of the grid's extent along it."""
+    low, high = np.asarray(grid.points).min(axis=0), np.asarray(grid.points).max(axis=0)
+    return grid.slice(normal=np.eye(3)[axis], origin=low + share * (high - low))
+
+
+def _inflow(grid: Any, patch: Patch, depth: float) -> float:
+    """Mean velocity into the fluid just inside a patch."""
+    points, weights = patch.quadrature(4)
+    inner = (points.position + depth * points.normal).T
+    probed = load_pyvista().PolyData(inner).sample(grid).point_data["velocity"]
+    return float((probed.T * points.normal).sum(axis=0) @ weights / weights.sum())
+
+
+def _spread(patch: Patch, spacing: float, depth: float) -> Array:
+    """A lattice of points (N, 3) in the patch about ``spacing`` apart, shifted into the fluid."""
+    parameters = []
+    for along, (low, high) in enumerate(patch.surface.domain):
+        count = max(1, round(_width(patch, along) / spacing))
+        parameters.append(low + (high - low) * (np.arange(count) + 0.5) / count)
+    u, v = np.meshgrid(*parameters, indexing="ij")
+    points = surface_points(patch.surface, u.ravel(), v.ravel())
+    return (points.position + depth * points.normal).T
+
+
+def _width(patch: Patch, along: int) -> float:
+    """Length of the patch's middle line in one direction."""
+    ends = patch.surface.domain
+    parameters = [np.full(17, 0.5 * (low + high)) for low, high in ends]
+    parameters[along] = np.linspace(*ends[along], 17)
+    steps = np.diff(patch.surface.evaluate(*parameters), axis=1)
+    return float(np.linalg.norm(steps, axis=0).sum())
+
+
+def _speed_limits(grid: Any) -> tuple[float, float]:
+    return 0.0, float(np.linalg.norm(grid.point_data["velocity"], axis=1).max())
+
+
+def _add_colours(plotter: Any, grid: Any, mesh: Any, quantity: str) -> Any:
+    """Part of the grid, coloured by its speed or pressure within the limits of the whole."""
+    pressure = grid.point_data["pressure"]
+    mesh.point_data["speed"] = np.linalg.norm(mesh.point_data["velocity"], axis=1)
+    return plotter.add_mesh(
+        mesh.copy(deep=False),
+        scalars=quantity,
+        cmap=COLOUR_MAP,
+        clim=_speed_limits(grid) if quantity == "speed" else (pressure.min(), pressure.max()),
+        ambient=1.0,
+        diffuse=0.0,
+        show_scalar_bar=False,
+    )
+
+
+def _add_bars(plotter: Any, bars: Mapping[str, Any], boundary: Boundary, extent: Array) -> None:
+    strip(plotter)
+    for i, (quantity, actor) in enumerate(bars.items()):
+        colour_bar(plotter, actor, quantity_label(quantity, boundary.unit), 0.24 + 0.4 * i, 0.3)
+    add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), SMALL)

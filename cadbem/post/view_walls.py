@@ -1,0 +1,112 @@
+"""Picture of the stresses on the walls."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from itertools import product
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+
+from cadbem.boundary import Boundary
+from cadbem.errors import SelectionError
+from cadbem.post.fields import PatchField, tessellated, wall_stresses
+from cadbem.post.layout import Size, add_axes, aim, back_view, corner_view, panel, sheet, strip
+from cadbem.post.scene import add_channel
+from cadbem.post.style import (
+    COLOUR_MAP,
+    SMALL,
+    add_text,
+    colour_bar,
+    quantity_label,
+    size_label,
+)
+from cadbem.problems.conditions import NoSlip
+from cadbem.spline.basis import Array
+
+_QUANTITIES = ("traction", "wall shear stress")
+
+
+class _Problem(Protocol):
+    @property
+    def conditions(self) -> Mapping[str, Any]: ...
+
+
+class _Space(Protocol):
+    @property
+    def boundary(self) -> Boundary: ...
+
+
+class WallSolution(Protocol):
+    """What is drawn of a solution: the traction on the boundary and the conditions."""
+
+    @property
+    def problem(self) -> _Problem: ...
+
+    @property
+    def space(self) -> _Space: ...
+
+    @property
+    def traction(self) -> PatchField: ...
+
+
+def draw_traction(solution: WallSolution, path: str | Path, *, size: Size = (1800, 1300)) -> Path:
+    """Picture of the traction's magnitude and of the shear stress on the walls.
+
+    Two views from opposite corners; walls between the viewer and the fluid are left out, so
+    that one sees the channel's inside.  Walls are the patches that do not slip.  Colours end at
+    the 99th percentile, as traction may be singular at edges.  Raises ``SelectionError`` when
+    nothing is a wall, ``DisplayError`` where pictures cannot be drawn.
+    """
+    boundary = solution.space.boundary
+    surface = tessellated(boundary, 6, {"traction": solution.traction}, _walls(solution))
+    _add_stresses(surface)
+    extent = surface.points.T
+    views = (corner_view(extent), back_view(extent))
+    panels = list(product(_QUANTITIES, views))
+    bars = {}
+    with sheet(path, size, len(panels), views[0].aspect(extent)) as plotter:
+        for i, (quantity, view) in enumerate(panels):
+            panel(plotter, i)
+            bars[quantity] = _add_inside(plotter, surface, quantity)
+            add_channel(plotter, boundary, view)
+            aim(plotter, view, extent)
+            add_axes(plotter)
+        strip(plotter)
+        for i, (quantity, actor) in enumerate(bars.items()):
+            colour_bar(plotter, actor, quantity_label(quantity, boundary.unit), 0.24 + 0.4 * i, 0.3)
+        add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), SMALL)
+    return Path(path)
+
+
+def _walls(solution: WallSolution) -> Sequence[int]:
+    conditions = solution.problem.conditions
+    names = [name for name, condition in conditions.items() if isinstance(condition, NoSlip)]
+    patches = solution.space.boundary.patches
+    walls = [i for i, patch in enumerate(patches) if patch.name in names]
+    if not walls:
+        raise SelectionError("there are no walls to draw: no face has the condition NoSlip")
+    return walls
+
+
+def _add_stresses(surface: Any) -> None:
+    traction: Array = np.asarray(surface.point_data["traction"]).T
+    normal: Array = np.asarray(surface.point_data["Normals"]).T
+    values = np.linalg.norm(traction, axis=0), wall_stresses(traction, normal)[1]
+    surface.point_data.update(dict(zip(_QUANTITIES, values, strict=True)))
+
+
+def _add_inside(plotter: Any, surface: Any, quantity: str) -> Any:
+    """The faces that show their inner side, coloured by point data."""
+    return plotter.add_mesh(
+        surface.copy(deep=False),
+        scalars=quantity,
+        cmap=COLOUR_MAP,
+        clim=[0, np.percentile(surface.point_data[quantity], 99)],
+        culling="back",
+        ambient=0.85,
+        diffuse=0.15,
+        smooth_shading=True,
+        show_scalar_bar=False,
+    )
