@@ -71,6 +71,22 @@ def segment(start: Array, end: Array) -> Nurbs:
     return Nurbs((1,), (np.array([0.0, 0.0, 1.0, 1.0]),), np.array([start, end]), np.ones(2))
 
 
+def joined(first: Nurbs, second: Nurbs) -> Nurbs:
+    """One curve along two that follow each other, its parameter about the length."""
+    degree = max(first.degrees[0], second.degrees[0])
+    first, second = first.elevated((degree,)), second.elevated((degree,))
+    lengths = [np.linalg.norm(np.diff(c.points, axis=0), axis=1).sum() for c in (first, second)]
+    scaled = []
+    for curve, length in zip((first, second), lengths, strict=True):
+        low, high = curve.domain[0]
+        scaled.append((curve.knots[0] - low) * (length / (high - low)))
+    knots = np.concatenate([scaled[0][:-1], scaled[1][degree + 1 :] + lengths[0]])
+    factor = first.weights[-1] / second.weights[0]
+    points = np.concatenate([first.points, second.points[1:]])
+    weights = np.concatenate([first.weights, factor * second.weights[1:]])
+    return Nurbs((degree,), (knots,), points, weights)
+
+
 def _with_unit_end_weights(curve: Nurbs) -> Nurbs:
     """Domain [0, 1] and weight 1 at both ends, by a linear rational change of parameter.
 

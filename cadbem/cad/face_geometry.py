@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.brep_geometry import PLANE
-from cadbem.cad.coons import segment
+from cadbem.cad.coons import joined, segment
 from cadbem.cad.curves import Interval, curve_nurbs
 from cadbem.cad.surfaces import natural_domain, surface_nurbs
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
+SHARPEST = 0.02  # sine of the smallest angle that counts as a corner
 FLAT = 1e-7  # deviation from a line, plane or rectangle that is still rounding, per size of it
 
 
@@ -146,26 +149,43 @@ def _along_loop(use: EdgeUse) -> Nurbs:
     return curve if use.sign > 0 else curve.reversed()
 
 
-def planar_sides(face: BrepFace) -> list[Nurbs]:
-    """The sides of a plane face with one loop, in its direction; [] if it is not such.
+def planar_edges(face: BrepFace) -> list[Nurbs]:
+    """The edges of a plane face with one loop, in its direction; [] if it is not such.
 
-    Straight edges that continue each other are one side.
+    Straight edges that continue each other are one.
     """
-    return _merged([_along_loop(use) for use in planar_loop(face) or []])
+    edges = [_along_loop(use) for use in planar_loop(face) or []]
+    return _merged(edges, _continues, lambda a, b: segment(a.points[0], b.points[-1]))
 
 
-def _merged(sides: list[Nurbs]) -> list[Nurbs]:
-    if not sides:
-        return []
-    joined = [sides[0]]
-    for side in sides[1:]:
-        if _continues(joined[-1], side):
-            joined[-1] = segment(joined[-1].points[0], side.points[-1])
+def planar_sides(face: BrepFace) -> list[Nurbs]:
+    """As `planar_edges`, but all edges between two corners are one curve, with a kink in it."""
+    return _merged(planar_edges(face), _is_smooth, joined)
+
+
+def _merged(
+    curves: list[Nurbs],
+    belong: Callable[[Nurbs, Nurbs], bool],
+    merge: Callable[[Nurbs, Nurbs], Nurbs],
+) -> list[Nurbs]:
+    """Neighbours round the loop that belong together, merged."""
+    merged = curves[:1]
+    for curve in curves[1:]:
+        if belong(merged[-1], curve):
+            merged[-1] = merge(merged[-1], curve)
         else:
-            joined.append(side)
-    if len(joined) > 2 and _continues(joined[-1], joined[0]):
-        joined[0] = segment(joined.pop().points[0], joined[0].points[-1])
-    return joined
+            merged.append(curve)
+    if len(merged) > 1 and belong(merged[-1], merged[0]):
+        merged[0] = merge(merged.pop(), merged[0])
+    return merged
+
+
+def _is_smooth(first: Nurbs, second: Nurbs) -> bool:
+    """Whether the second goes on in the direction in which the first ends."""
+    ahead, onward = first.points[-1] - first.points[-2], second.points[1] - second.points[0]
+    product = np.linalg.norm(ahead) * np.linalg.norm(onward)
+    turn = np.linalg.norm(np.cross(ahead, onward))
+    return bool(turn < SHARPEST * product and ahead @ onward > 0)
 
 
 def _continues(first: Nurbs, second: Nurbs) -> bool:

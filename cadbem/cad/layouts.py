@@ -16,10 +16,12 @@ from cadbem.cad.coons import coons_patch, round_patches, star_patches
 from cadbem.cad.curves import arc
 from cadbem.cad.face_geometry import (
     FLAT,
+    SHARPEST,
     located,
     normal,
     parameter_box,
     parameter_curves,
+    planar_edges,
     planar_loop,
     planar_sides,
     sampled,
@@ -30,7 +32,6 @@ from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
-SHARPEST = 0.02  # smallest sine of an angle between the edges or parameter lines of a patch
 MOST_SIDES = 8  # of a face that is cut from a point inside
 
 
@@ -95,8 +96,10 @@ def planar_four_sided(face: BrepFace) -> list[Nurbs] | None:
 
 
 def planar_round(face: BrepFace) -> list[Nurbs] | None:
-    """A plane face with one, two or four sides that meet smoothly, like a disk or an oval."""
-    sides = planar_sides(face)
+    """A plane face with one, two or four sides that may meet smoothly, like an oval or a lens."""
+    sides = planar_edges(face)
+    if len(sides) not in (1, 2, 4):
+        sides = planar_sides(face)
     if len(sides) not in (1, 2, 4):
         return None
     parts = 4 // len(sides)
