@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
     from cadbem.errors import SelectionError as SelectionError
+    from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_boundary as draw_boundary
     from cadbem.post import draw_collocation as draw_collocation
     from cadbem.post import draw_slices as draw_slices
@@ -34,6 +35,8 @@ if TYPE_CHECKING:
     from cadbem.problems.solution import StokesSolution as StokesSolution
     from cadbem.problems.stokes import StokesProblem as StokesProblem
     from cadbem.quadrature.options import Quadrature as Quadrature
+    from cadbem.script import fresh_folder as fresh_folder
+    from cadbem.script import run as run
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
@@ -45,6 +48,7 @@ _NAMES = {
     "cad": ("inspect_cad", "mesh_volume", "read_cad"),
     "errors": ("CadError", "CadbemError", "ConditionError", "DisplayError", "SelectionError"),
     "post": (
+        "bezier_grid",
         "draw_boundary",
         "draw_collocation",
         "draw_slices",
@@ -58,6 +62,7 @@ _NAMES = {
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
     "quadrature.options": ("Quadrature",),
+    "script": ("fresh_folder", "run"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
 }

@@ -14,7 +14,7 @@ FLOORS = (
     {"problems"},
     {"suspension"},
     {"results", "post", "warmup"},
-    {"cli", "__init__", "__main__"},
+    {"script", "cli", "__init__", "__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}
@@ -43,6 +43,10 @@ def imports(path: Path) -> set[str]:
 def room(module: str) -> str:
     """Folder or top-level file of a module, '__init__' for the package itself."""
     return [*module.split("."), "__init__"][1]
+
+
+def test_every_room_has_a_floor():
+    assert {room(name) for name in FILES} <= FLOOR.keys(), "give the new room a floor here"
 
 
 def test_imports_go_down():
