@@ -86,7 +86,7 @@ class CadModel:
     def _edge_problems(self) -> list[str]:
         uses = [use for face in self.faces for loop in face.loops for use in loop]
         counts = Counter(use.key for use in uses if use.curve is not None)
-        free = [use for use in uses if counts[use.key] == 1]
+        free = _unpaired([use for use in uses if counts[use.key] == 1 and use.curve is not None])
         crowded = {use.key: use for use in uses if counts[use.key] > 2}
         problems = []
         if free:
@@ -121,6 +121,7 @@ def open_model(path: str | Path, time_limit: float) -> CadModel:
         )
     faces = _boundary_faces(read_brep(kernel.brep))
     _check_size(source.name, faces)
+    _check_unit(source.name, unit, marks, faces)
     return CadModel(source.name, unit, faces, match_names(marks, list(faces), unit), kernel)
 
 
@@ -144,6 +145,48 @@ def _boundary_faces(faces: list[BrepFace]) -> tuple[BrepFace, ...]:
     """The faces of solids, or all faces where there is no solid."""
     of_solids = tuple(face for face in faces if face.solid)
     return of_solids or tuple(faces)
+
+
+def _unpaired(free: list[EdgeUse]) -> list[EdgeUse]:
+    """Edges of one face that do not lie on another one: both sides of a seam do."""
+    points = [points_on(use) for use in free]
+    if not points:
+        return []
+    tolerance = 1e-6 * float(np.ptp(np.concatenate(points), axis=0).max())
+    rest = list(range(len(free)))
+    alone = []
+    while rest:
+        first = rest.pop()
+        twin = next((k for k in rest if _coincide(points[first], points[k], tolerance)), None)
+        if twin is None:
+            alone.append(free[first])
+        else:
+            rest.remove(twin)
+    return alone[::-1]
+
+
+def _coincide(first: Array, second: Array, tolerance: float) -> bool:
+    if len(first) != len(second):
+        return False
+    gaps = [np.abs(first - other).max() for other in (second, second[::-1])]
+    return bool(min(gaps) < tolerance)
+
+
+def _check_unit(file: str, unit: Unit, marks: list[FaceMark], faces: tuple[BrepFace, ...]) -> None:
+    """Our reading of the unit against the kernel's, by the size of what the text describes."""
+    written = [p for mark in marks for p in (mark.corners, mark.middles) if len(p)]
+    sizes = [
+        float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0))) if points else 0.0
+        for points in (written, [edge_points(face) for face in faces])
+    ]
+    if sizes[0] < 1e-6 * sizes[1] / unit.millimetres:  # a sphere has one corner only
+        return
+    ratio = sizes[1] / (sizes[0] * unit.millimetres)
+    if not 0.12 < ratio < 8:  # parts may be turned, units differ by 10 at least
+        raise CadError(
+            f"{file}: the CAD kernel takes lengths {ratio:.3g} times as long as the file's unit "
+            f"({unit.name or 'none'}) says; export the model again in millimetres"
+        )
 
 
 def _check_size(file: str, faces: tuple[BrepFace, ...]) -> None:
