@@ -7,11 +7,13 @@ from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.points import surface_points
 from cadbem.post.display import load_pyvista
 from cadbem.spline.basis import Array
+from cadbem.spline.nurbs import Nurbs
 
 
 class PatchField(Protocol):
@@ -28,9 +30,9 @@ def tessellated(
 ) -> Any:
     """Quadrilaterals on the patches as ``pyvista.PolyData``, ``density`` a direction an element.
 
-    Their corners lie on the exact surface.  Point data: ``Normals`` (unit, into the fluid; zero
-    where the patch is degenerate) and the ``fields``; cell data: ``patch``, ``face``, ``name`` as
-    in ``bezier_grid``.  Only the listed ``patches``, or all.  Raises ``DisplayError``.
+    Their corners lie on the exact surface.  Point data: ``Normals`` (unit, into the fluid) and
+    the ``fields``; cell data: ``patch``, ``face``, ``name`` as in ``bezier_grid``.  Only the
+    listed ``patches``, or all.  Raises ``DisplayError`` where VTK cannot be used.
     """
     pyvista = load_pyvista()
     fields = fields or {}
@@ -40,9 +42,9 @@ def tessellated(
     start = 0
     for i in chosen:
         u, v = _lattice(boundary.patches[i], density)
-        points = surface_points(boundary.patches[i].surface, u.ravel(), v.ravel())
-        columns["points"].append(points.position.T)
-        columns["Normals"].append(points.normal.T)
+        surface = boundary.patches[i].surface
+        columns["points"].append(surface.evaluate(u.ravel(), v.ravel()).T)
+        columns["Normals"].append(_normals(surface, u.ravel(), v.ravel()).T)
         for key, field in fields.items():
             columns[key].append(field.on_patch(i, u.ravel(), v.ravel()).T)
         quads.append(_quadrilaterals(u.shape, start))
@@ -76,16 +78,37 @@ def wall_stresses(traction: Array, normal: Array) -> tuple[Array, Array]:
 
 def edge_lines(boundary: Boundary, density: int = 8, *, elements: bool = False) -> Any:
     """Edges of the patches, or of all their ``elements``, as polylines in ``pyvista.PolyData``."""
+    return _polylines([c for p in boundary.patches for c in _curves(p, density, elements)])
+
+
+def sharp_edges(boundary: Boundary, density: int = 8, angle: float = 30.0) -> Any:
+    """Those edges of patches at which the surface turns by more than an ``angle`` in degrees,
+    or ends; judged in the middle of each edge."""
+    surface = tessellated(boundary, density)
+    patch_of_point = np.empty(surface.n_points, dtype=int)
+    patch_of_point[surface.faces.reshape(-1, 5)[:, 1:]] = surface.cell_data["patch"][:, None]
+    tree = cKDTree(surface.points)
+    sharp = []
+    for index, patch in enumerate(boundary.patches):
+        for curve in _curves(patch, density, elements=False):
+            middle = curve[len(curve) // 2]
+            step = np.linalg.norm(np.diff(curve, axis=0), axis=1).max()
+            near = np.array(tree.query_ball_point(middle, 0.6 * step), dtype=int)
+            own = patch_of_point[near] == index
+            normals = surface.point_data["Normals"][near]
+            turns = normals[~own] @ normals[own].mean(axis=0) < np.cos(np.radians(angle))
+            if turns.all():
+                sharp.append(curve)
+    return _polylines(sharp)
+
+
+def _polylines(curves: Sequence[Array]) -> Any:
     pyvista = load_pyvista()
-    points: list[Array] = []
-    lines: list[int] = []
-    start = 0
-    for patch in boundary.patches:
-        for curve in _curves(patch, density, elements):
-            lines += [len(curve), *range(start, start + len(curve))]
-            points.append(curve)
-            start += len(curve)
-    return pyvista.PolyData(np.concatenate(points), lines=lines)
+    if not curves:
+        return pyvista.PolyData()
+    starts = np.cumsum([0, *map(len, curves)])
+    lines = [[len(c), *range(i, i + len(c))] for c, i in zip(curves, starts, strict=False)]
+    return pyvista.PolyData(np.concatenate(curves), lines=np.concatenate(lines))
 
 
 def _curves(patch: Patch, density: int, elements: bool) -> list[Array]:
@@ -104,6 +127,20 @@ def _lattice(patch: Patch, density: int) -> tuple[Array, Array]:
     u, v = (_between(patch.surface.breaks(d), density) for d in (0, 1))
     grids = np.meshgrid(u, v, indexing="ij")
     return grids[0], grids[1]
+
+
+def _normals(surface: Nurbs, u: Array, v: Array) -> Array:
+    """Unit normals (3, N); at a pole, where there is none, that of a point close by."""
+    points = surface_points(surface, u, v)
+    flat = points.jacobian < 1e-9 * points.jacobian.max()
+    normal = points.normal.copy()
+    if flat.any():
+        inner = []
+        for parameter, (low, high) in zip((u, v), surface.domain, strict=True):
+            middle = 0.5 * (low + high)
+            inner.append(middle + (1 - 1e-4) * (parameter[flat] - middle))
+        normal[:, flat] = surface_points(surface, *inner).normal
+    return normal
 
 
 def _between(breaks: Array, density: int) -> Array:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.post.fields import tessellated
+from cadbem.post.fields import sharp_edges, tessellated
 from cadbem.post.layout import View
 from cadbem.post.style import INK, WALL
 from cadbem.spline.basis import Array
@@ -31,5 +31,5 @@ def add_channel(plotter: Any, boundary: Boundary, view: View) -> None:
     """
     surface = tessellated(boundary)
     plotter.add_mesh(surface, color=WALL, opacity=0.25, lighting=False, culling="back")
-    edges = surface.clean(tolerance=1e-6).extract_feature_edges(30)
-    add_lines(plotter, edges, lifted(view, surface.points.T), width=1.5)
+    lift = lifted(view, surface.points.T)
+    add_lines(plotter, sharp_edges(boundary), lift, width=1.5)

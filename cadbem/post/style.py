@@ -86,7 +86,8 @@ def round_values(low: float, high: float, count: int = 5) -> Array:
     rough = max((high - low) / count, 1e-300)
     power = 10.0 ** np.floor(np.log10(rough))
     step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / rough)))
-    return step * np.arange(np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9) + 1)
+    first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
+    return step * np.arange(first, last + 1) + 0.0  # no "-0"
 
 
 def add_text(plotter: Any, text: str, position: tuple[float, float], size: int = TEXT) -> None:

@@ -87,7 +87,7 @@ def draw_streamlines(
     tubes = streams.tube(radius=0.002 * np.linalg.norm(np.ptp(extent, axis=1)), n_sides=6)
     with sheet(path, size, 1, view.aspect(extent)) as plotter:
         panel(plotter, 0)
-        actor = _add_colours(plotter, grid, tubes, "speed")
+        actor = _add_colours(plotter, grid, tubes, "speed", shading=0.3)
         add_channel(plotter, boundary, view)
         aim(plotter, view, extent)
         add_axes(plotter)
@@ -143,7 +143,7 @@ def _speed_limits(grid: Any) -> tuple[float, float]:
     return 0.0, float(np.linalg.norm(grid.point_data["velocity"], axis=1).max())
 
 
-def _add_colours(plotter: Any, grid: Any, mesh: Any, quantity: str) -> Any:
+def _add_colours(plotter: Any, grid: Any, mesh: Any, quantity: str, shading: float = 0.0) -> Any:
     """Part of the grid, coloured by its speed or pressure within the limits of the whole."""
     pressure = grid.point_data["pressure"]
     mesh.point_data["speed"] = np.linalg.norm(mesh.point_data["velocity"], axis=1)
@@ -152,8 +152,8 @@ def _add_colours(plotter: Any, grid: Any, mesh: Any, quantity: str) -> Any:
         scalars=quantity,
         cmap=COLOUR_MAP,
         clim=_speed_limits(grid) if quantity == "speed" else (pressure.min(), pressure.max()),
-        ambient=1.0,
-        diffuse=0.0,
+        ambient=1 - shading,
+        diffuse=shading,
         show_scalar_bar=False,
     )
 

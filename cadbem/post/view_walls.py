@@ -11,9 +11,9 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import SelectionError
-from cadbem.post.fields import PatchField, tessellated, wall_stresses
+from cadbem.post.fields import PatchField, sharp_edges, tessellated, wall_stresses
 from cadbem.post.layout import Size, add_axes, aim, back_view, corner_view, panel, sheet, strip
-from cadbem.post.scene import add_channel
+from cadbem.post.scene import add_lines, lifted
 from cadbem.post.style import (
     COLOUR_MAP,
     SMALL,
@@ -62,6 +62,7 @@ def draw_traction(solution: WallSolution, path: str | Path, *, size: Size = (180
     boundary = solution.space.boundary
     surface = tessellated(boundary, 6, {"traction": solution.traction}, _walls(solution))
     _add_stresses(surface)
+    edges = sharp_edges(boundary)
     extent = surface.points.T
     views = (corner_view(extent), back_view(extent))
     panels = list(product(_QUANTITIES, views))
@@ -70,7 +71,7 @@ def draw_traction(solution: WallSolution, path: str | Path, *, size: Size = (180
         for i, (quantity, view) in enumerate(panels):
             panel(plotter, i)
             bars[quantity] = _add_inside(plotter, surface, quantity)
-            add_channel(plotter, boundary, view)
+            add_lines(plotter, edges, lifted(view, extent), width=1.5)
             aim(plotter, view, extent)
             add_axes(plotter)
         strip(plotter)
