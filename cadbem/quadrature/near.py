@@ -18,6 +18,7 @@ from numba import njit
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein
 
 MAX_ORDER = 64
+TAPERED = 1.5  # share of digits that a panel asks for whose metric varies much
 CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counter-clockwise
 
 
@@ -53,6 +54,21 @@ def _frame(net, u, v, bu, du, bv, dv, point, tu, tv):
 
 
 @njit(cache=True, nogil=True)
+def _is_tapered(net):
+    """Whether opposite edges (their chords) differ much in length, as at a pole."""
+    p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
+    south = north = west = east = 0.0
+    for k in range(dim):
+        sw, se = net[0, 0, k] / net[0, 0, dim], net[p, 0, k] / net[p, 0, dim]
+        nw, ne = net[0, q, k] / net[0, q, dim], net[p, q, k] / net[p, q, dim]
+        south += (se - sw) ** 2
+        north += (ne - nw) ** 2
+        west += (nw - sw) ** 2
+        east += (ne - se) ** 2
+    return min(south, north) < 0.1 * max(south, north) or min(west, east) < 0.1 * max(west, east)
+
+
+@njit(cache=True, nogil=True)
 def polar_nodes(net, u, v, distance, tolerance, gauss, nodes, work):
     """Nodes (3, capacity): u, v, weight (without Jacobian) into ``nodes``; returns their number.
 
@@ -66,7 +82,7 @@ def polar_nodes(net, u, v, distance, tolerance, gauss, nodes, work):
         e, f, g = _frame(net, 0.5, 0.5, bu, du, bv, dv, point, tu, tv)
     a, b = sqrt(e), f / sqrt(e)
     c = sqrt(max(g - b * b, 1e-12 * g))
-    digits = -log(tolerance) + 2.0
+    digits = (-log(tolerance) + 2.0) * (TAPERED if _is_tapered(net) else 1.0)
     extra = (max(p, q) + 1) // 2
     count = 0
     for side in range(4):

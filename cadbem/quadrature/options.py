@@ -8,7 +8,9 @@ from math import ceil, log, log10, sinh
 
 @dataclass(frozen=True)
 class Quadrature:
-    """Relative ``tolerance`` of each element's integral, at any distance of the target.
+    """``tolerance`` of each element's integrals, at any distance of the target.
+
+    It is relative to the integral of the kernel alone: functions are at most 1.
 
     Raises ``ValueError`` unless 1e-14 <= tolerance <= 1e-2.
     """
@@ -30,5 +32,5 @@ class Quadrature:
         The nearest singularity of 1/r lies at ±i 2d/L over the interval [-1, 1], so the error
         falls like exp(-2 m asinh(2d/L)); densities of a degree use up half of it in order.
         """
-        digits = -log(self.tolerance) + 2.0
+        digits = -log(self.tolerance) + 4.0
         return 0.5 * sinh(digits / (2.0 * (order - degree / 2)))

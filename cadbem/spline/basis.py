@@ -129,23 +129,25 @@ def refinement_matrix(degree: int, knots: Array, new_degree: int, new_knots: Arr
 def _blossom_step(degree: int, knots: Array, new_degree: int, new_knots: Array) -> Array:
     count = function_count(new_degree, new_knots)
     inner = np.array([new_knots[i + 1 : i + new_degree + 1] for i in range(count)])
-    spans = _central_spans(degree, knots, new_degree, new_knots)
+    spans = _nearest_spans(degree, knots, new_degree, new_knots)
     if new_degree == degree:
         return _blossoms(degree, knots, spans, inner)
     left_out = [np.delete(inner, j, axis=1) for j in range(new_degree)]
     return sum(_blossoms(degree, knots, spans, arguments) for arguments in left_out) / new_degree
 
 
-def _central_spans(
+def _nearest_spans(
     degree: int, knots: Array, new_degree: int, new_knots: Array
 ) -> NDArray[np.int64]:
-    """Old span of the non-empty new span nearest to the middle of each new function's support."""
+    """For each new function, the old span that asks for the least extrapolation."""
     count = function_count(new_degree, new_knots)
     middles = np.empty(count)
     for i in range(count):
         support = new_knots[i : i + new_degree + 2]
-        centres = 0.5 * (support[1:] + support[:-1])[np.diff(support) > 0]
-        middles[i] = centres[np.argmin(np.abs(centres - support[1:-1].mean()))]
+        centres, lengths = 0.5 * (support[1:] + support[:-1]), np.diff(support)
+        centres, lengths = centres[lengths > 0], lengths[lengths > 0]
+        reach = np.abs(support[1:-1, None] - centres).max(axis=0)
+        middles[i] = centres[np.argmin(reach / lengths)]
     return find_spans(degree, knots, middles)
 
 

@@ -1,0 +1,165 @@
+"""Singular and nearly singular rules against tables of 15 and more digits and closed forms."""
+
+import json
+from math import asinh, atan2, cos, pi, sin, sqrt
+from pathlib import Path
+
+import numpy as np
+import pytest
+from shapes import octant, quarter_cylinder, unit_square
+
+from cadbem.operators.panels import split_patch, tensor_nodes
+from cadbem.quadrature import Quadrature, near
+from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit
+from cadbem.quadrature.panels import closest_on_panels
+
+REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
+TOLERANCES = (1e-6, 1e-8, 1e-10)
+
+
+def near_rule(surface, target, tolerance, own=None):
+    """Nodes (3, n), weights with Jacobian, of the rule for one target on all panels.
+
+    ``own`` (u, v) says that the target lies on the surface there.
+    """
+    panels = split_patch(surface)
+    nets = panels.flat_nets
+    index = np.arange(len(nets))
+    closest = np.empty((3, len(nets)))
+    u, v, samples = panels.samples
+    x = np.asarray(target, dtype=float).reshape(3, 1)
+    closest_on_panels(x, 0 * index, index, nets, u, v, samples, closest)
+    if own is not None:
+        closest[:, 0] = *own, 0.0
+    p, q = surface.degrees
+    capacity = 100_000
+    position, normal, weight = np.empty((3, capacity)), np.empty((3, capacity)), np.empty(capacity)
+    bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
+    starts = np.empty(len(nets) + 1, dtype=np.int64)
+    done = near.place_nodes(
+        nets, index, 0, *closest, tolerance, near.gauss_table(),
+        starts, position, normal, weight, bu, bv,
+    )  # fmt: skip
+    assert done == len(nets)
+    owner = np.repeat(index, np.diff(starts))
+    count = starts[-1]
+    function = np.einsum("kij,ik,jk->k", nets[owner, :, :, 3], bu[:, :count], bv[:, :count])
+    return position[:, :count], weight[:count] * function
+
+
+def distance(position, target):
+    return np.linalg.norm(position - np.reshape(target, (3, 1)), axis=0)
+
+
+@pytest.mark.parametrize("order", [1, 4, 9, 64])
+def test_gauss_is_exact_for_polynomials(order):
+    """∫₀¹ t^k dt = 1 / (k + 1) for k up to 2 order - 1."""
+    nodes, weights = gauss_unit(order)
+    powers = np.arange(2 * order)
+    assert nodes ** powers[:, None] @ weights == pytest.approx(1 / (powers + 1), rel=1e-12)
+    table = near.gauss_table()
+    assert table[0, order, :order] == pytest.approx(nodes, abs=1e-15)
+    broken, shares = gauss_on_breaks(order, np.array([0, 0.3, 1]))
+    assert broken ** (2 * order - 1) @ shares == pytest.approx(1 / (2 * order), rel=1e-12)
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_cylinder_table(tolerance):
+    """∫ dS / 4πr on a quarter cylinder (thesis, table 2.1), sources down to 1e-3 away."""
+    table = REFERENCE["table_2_1"]
+    for delta, exact in zip(table["delta"], table["I"], strict=True):
+        source = [cos(pi / 4), delta, sin(pi / 4)]
+        position, weight = near_rule(quarter_cylinder(), source, tolerance)
+        value = weight @ (1 / (4 * pi * distance(position, source)))
+        assert value == pytest.approx(float(exact), rel=tolerance)
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_octant_table(tolerance):
+    """∫ (x - x₀) / 4πr³ dS on a sphere's octant with a pole (thesis, table 2.2)."""
+    table = REFERENCE["table_2_2"]
+    for share, exact in zip(table["theta_over_pi_32"], table["I"], strict=True):
+        theta = int(share) * pi / 32
+        source = np.array([cos(theta), sin(theta), 1.0]) * sqrt(0.5)
+        position, weight = near_rule(octant(), source, tolerance)
+        r = distance(position, source)
+        value = weight @ ((position[0] - source[0]) / (4 * pi * r**3))
+        assert value == pytest.approx(float(exact), rel=tolerance)
+
+
+@pytest.mark.parametrize("tolerance", TOLERANCES)
+def test_plane_table(tolerance):
+    """Weakly singular ∫ (x - x₀) / r² dS on a 2 × 4 rectangle (thesis, table 2.3)."""
+    plane = unit_square().transformed(np.diag([2.0, 4.0, 1.0]), [-1.0, 0.0, 0.0])
+    table = REFERENCE["table_2_3"]
+    for xi, exact in zip(table["xi"], table["I"], strict=True):
+        source = [2 * xi - 1, 4 * table["eta"], 0]
+        position, weight = near_rule(plane, source, tolerance, own=(xi, table["eta"]))
+        value = weight @ ((position[0] - source[0]) / distance(position, source) ** 2)
+        assert value == pytest.approx(float(exact), rel=tolerance)
+
+
+def corner_solid_angle(a, b, height):
+    """Solid angle of the rectangle 0 < x < a, 0 < y < b seen from (0, 0, height)."""
+    return atan2(a * b, height * sqrt(a * a + b * b + height * height))
+
+
+def corner_potential(a, b, height):
+    """∫ dS / r over the same rectangle, by integrating 1/r twice."""
+    r = sqrt(a * a + b * b + height * height)
+    logs = a * asinh(b / sqrt(a * a + height * height)) + b * asinh(
+        a / sqrt(b * b + height * height)
+    )
+    return logs - height * atan2(a * b, height * r)
+
+
+@pytest.mark.parametrize(("tolerance", "most"), [(1e-6, 2304), (1e-10, 20_000)])
+@pytest.mark.parametrize("stretch", [1.0, 10.0])
+def test_any_distance_above_and_beside_a_square(tolerance, most, stretch):
+    """Solid angle and potential at 0.3 to 1e-5 of the size, above the middle, by an edge, near
+    a corner, and beyond the edges, also of a rectangle ten times as long as wide."""
+    surface = unit_square().transformed(np.diag([stretch, 1.0, 1.0]))
+    spots = [(0.37, 0.61), (0.01, 0.4), (1e-3, 1e-4), (0.0, 0.3), (1.02, 0.5), (-0.1, -0.05)]
+    for (x, y), height in [(s, h) for s in spots for h in (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)]:
+        source = np.array([x * stretch, y, height])
+        sides = [(x * stretch, (1 - x) * stretch), (y, 1 - y)]
+        signed = [(a, b) for a in sides[0] for b in sides[1]]
+        solid = sum(corner_solid_angle(a, b, height) for a, b in signed)
+        potential = sum(
+            np.sign(a * b) * corner_potential(abs(a), abs(b), height) for a, b in signed
+        )
+        position, weight = near_rule(surface, source, tolerance)
+        r = distance(position, source)
+        assert len(weight) <= most
+        assert weight @ (1 / r) == pytest.approx(potential, rel=tolerance)
+        scale = weight @ (1 / r**2) * height / r.min()
+        assert abs(weight @ (height / r**3) - solid) < tolerance * max(solid, scale)
+
+
+@pytest.mark.parametrize("tolerance", [1e-4, 1e-8, 1e-12])
+@pytest.mark.parametrize("degree", [1, 2, 5])
+def test_tensor_rules_hold_their_promise(tolerance, degree):
+    """Each order of the ladder, at its reach and farther, integrates 1/r and 1/r³ times a
+    polynomial of the degree (at most 1) as well as the polar rule at a hundredth of the tolerance,
+    relative to the kernel's integral."""
+    quadrature = Quadrature(tolerance)
+    panels = split_patch(unit_square())
+    for order in quadrature.orders(degree):
+        nodes = tensor_nodes(panels, order)
+        position = nodes.position.reshape(3, -1)
+        for direction in ((0, 0, 1), (0, 0.6, 0.8), (0, 1, 0)):
+            reach = quadrature.reach(order, degree)
+            source = np.array([0.5, 0.5 + 0.5 * direction[1], 0]) + reach * np.array(direction)
+            fine, weight = near_rule(unit_square(), source, max(tolerance / 100, 1e-14))
+            for power in (1, 3):
+                ours = nodes.weight.ravel() @ (
+                    position[1] ** degree / distance(position, source) ** power
+                )
+                fine_value = weight @ (fine[1] ** degree / distance(fine, source) ** power)
+                kernel = weight @ distance(fine, source) ** -power
+                assert abs(ours - fine_value) < tolerance * kernel
+
+
+def test_tolerance_out_of_range_is_refused():
+    with pytest.raises(ValueError, match="tolerance"):
+        Quadrature(0.5)
