@@ -7,10 +7,10 @@ from typing import Any
 
 from cadbem.post.display import load_pyvista
 from cadbem.post.layout import Size, strip
-from cadbem.post.style import INK, SMALL, add_text
+from cadbem.post.style import INK, SMALL, add_text, scaled
 
-_SWATCH, _GAP = 26, 34  # pixels
-_LETTER = 0.56  # mean width of a letter over its height
+# in heights of a letter
+_SWATCH, _SPACE, _GAP, _LETTER, _LINE = 1.2, 0.35, 1.5, 0.56, 1.6
 
 
 def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> None:
@@ -18,35 +18,32 @@ def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> Non
     pyvista = load_pyvista()
     strip(plotter)
     size = plotter.renderer.GetSize()
-    rows = _rows([name or "unnamed" for name in colours], size[0])
-    line = min(1.6 * SMALL, size[1] / (len(rows) + bool(note)))
+    letter = scaled(plotter, SMALL)
     by_name = {name or "unnamed": colour for name, colour in colours.items()}
+    rows = _rows(list(by_name), size[0], letter)
+    line = min(_LINE * letter, size[1] / (len(rows) + bool(note) + 0.5))
     for i, row in enumerate(rows):
         bottom = size[1] - (i + 1) * line
         for left, name in row:
-            box = (left, left + _SWATCH, bottom, bottom + 0.8 * SMALL, 0, 0)
-            plotter.add_mesh(
-                pyvista.Box(box),
-                color=by_name[name],
-                lighting=False,
-                show_edges=True,
-                edge_color=INK,
-            )
-            _write(plotter, name, left + _SWATCH + 8, bottom, size)
+            right = left + _SWATCH * letter
+            swatch = pyvista.Box((left, right, bottom, bottom + 0.8 * letter, 0, 0))
+            plotter.add_mesh(swatch, color=by_name[name], lighting=False)
+            plotter.add_mesh(swatch.extract_feature_edges(), color=INK, line_width=1)
+            _write(plotter, name, right + _SPACE * letter, bottom, size)
     if note:
-        _write(plotter, note, _GAP, size[1] - (len(rows) + 1) * line, size)
+        _write(plotter, note, _GAP * letter, size[1] - (len(rows) + 1) * line, size)
     _use_pixels(plotter, size)
 
 
-def _rows(names: list[str], width: int) -> list[list[tuple[float, str]]]:
+def _rows(names: list[str], width: int, letter: int) -> list[list[tuple[float, str]]]:
     """Left ends and names, in as many rows as the width asks for."""
     rows: list[list[tuple[float, str]]] = [[]]
-    left = float(_GAP)
+    left = _GAP * letter
     for name in names:
-        needed = _SWATCH + 8 + _LETTER * SMALL * len(name) + _GAP
+        needed = (_SWATCH + _SPACE + _LETTER * len(name) + _GAP) * letter
         if rows[-1] and left + needed > width:
             rows.append([])
-            left = float(_GAP)
+            left = _GAP * letter
         rows[-1].append((left, name))
         left += needed
     return rows

@@ -17,8 +17,8 @@ UNNAMED = "#f3e3bd"
 DEFECT = "#d62728"
 COLOUR_MAP = "viridis"
 FONT = "arial"
-# heights of letters in pixels, legible when a picture fills the width of a page
-TITLE, TEXT, SMALL = 30, 26, 22
+# heights of letters in pixels of a sheet 1800 wide, legible when it fills the width of a page
+TEXT, SMALL = 26, 22
 # Okabe and Ito's colours, told apart by readers with colour blindness as well
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
 
@@ -53,6 +53,12 @@ def size_label(points: Array, unit: str) -> str:
     return f"x × y × z: {extent} {unit or '(dimensionless)'}"
 
 
+def scaled(plotter: Any, pixels: float) -> int:
+    """Pixels on this sheet for what has so many on a sheet 1800 wide and 1100 high."""
+    width, height = plotter.window_size
+    return max(1, round(pixels * min(width / 1800, height / 1100)))
+
+
 def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) -> None:
     """A horizontal colour bar in the panel drawn at present, a strip, for what ``actor`` shows.
 
@@ -67,7 +73,7 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
         fmt="{:.6g}",
         color=INK,
         font_family=FONT,
-        label_font_size=SMALL,
+        label_font_size=scaled(plotter, SMALL),
         unconstrained_font_size=True,
         position_x=left,
         position_y=0.25,
@@ -83,7 +89,9 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
 
 def round_values(low: float, high: float, count: int = 5) -> Array:
     """About ``count`` values between two limits, multiples of 1, 2 or 5 times a power of ten."""
-    rough = max((high - low) / count, 1e-300)
+    if not high > low:
+        return np.array([low])
+    rough = (high - low) / count
     power = 10.0 ** np.floor(np.log10(rough))
     step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / rough)))
     first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
@@ -93,4 +101,4 @@ def round_values(low: float, high: float, count: int = 5) -> Array:
 def add_text(plotter: Any, text: str, position: tuple[float, float], size: int = TEXT) -> None:
     """Text whose lower left corner lies at a ``position`` in parts of the panel."""
     actor = plotter.add_text(text, position=position, viewport=True, font=FONT, color=INK)
-    actor.prop.font_size = size
+    actor.prop.font_size = scaled(plotter, size)

@@ -23,6 +23,7 @@ from cadbem.post.style import (
     INK,
     SMALL,
     colours_of,
+    scaled,
     size_label,
 )
 from cadbem.spline.basis import Array
@@ -89,7 +90,7 @@ def draw_collocation(
         plotter.add_mesh(
             pyvista.PolyData(points.T + 2 * lift),
             color=INK,
-            point_size=_point_size(points.shape[1]),
+            point_size=scaled(plotter, _point_size(points.shape[1])),
             render_points_as_spheres=True,
         )
         add_axes(plotter)
@@ -142,7 +143,7 @@ def _add_labels(plotter: Any, positions: Array, labels: list[int], colour: str) 
         positions.T,
         [str(label) for label in labels],
         font_family=FONT,
-        font_size=SMALL,
+        font_size=scaled(plotter, SMALL),
         bold=False,
         text_color=colour,
         shape=None,
