@@ -22,6 +22,7 @@ def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> Non
     by_name = {name or "unnamed": colour for name, colour in colours.items()}
     rows = _rows(list(by_name), size[0], letter)
     line = min(_LINE * letter, size[1] / (len(rows) + bool(note) + 0.5))
+    letter = min(letter, round(line / 1.3))  # many names: smaller letters instead of overlaps
     for i, row in enumerate(rows):
         bottom = size[1] - (i + 1) * line
         for left, name in row:
@@ -29,9 +30,9 @@ def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> Non
             swatch = pyvista.Box((left, right, bottom, bottom + 0.8 * letter, 0, 0))
             plotter.add_mesh(swatch, color=by_name[name], lighting=False)
             plotter.add_mesh(swatch.extract_feature_edges(), color=INK, line_width=1)
-            _write(plotter, name, right + _SPACE * letter, bottom, size)
+            _write(plotter, name, (right + _SPACE * letter, bottom), letter)
     if note:
-        _write(plotter, note, _GAP * letter, size[1] - (len(rows) + 1) * line, size)
+        _write(plotter, note, (rows[0][0][0], size[1] - (len(rows) + 1) * line), letter)
     _use_pixels(plotter, size)
 
 
@@ -49,8 +50,9 @@ def _rows(names: list[str], width: int, letter: int) -> list[list[tuple[float, s
     return rows
 
 
-def _write(plotter: Any, text: str, left: float, bottom: float, size: Size) -> None:
-    add_text(plotter, text, (left / size[0], bottom / size[1]), SMALL)
+def _write(plotter: Any, text: str, corner: tuple[float, float], letter: int) -> None:
+    width, height = plotter.renderer.GetSize()
+    add_text(plotter, text, (corner[0] / width, corner[1] / height), letter)
 
 
 def _use_pixels(plotter: Any, size: Size) -> None:

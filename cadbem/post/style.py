@@ -84,7 +84,7 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
     bar.SetTextPositionToPrecedeScalarBar()
     bar.SetUseCustomLabels(True)
     bar.SetCustomLabels(numpy_to_vtk(round_values(*actor.mapper.scalar_range), deep=True))
-    add_text(plotter, title, (left, 0.72))
+    add_text(plotter, title, (left, 0.72), scaled(plotter, TEXT))
 
 
 def round_values(low: float, high: float, count: int = 5) -> Array:
@@ -98,7 +98,7 @@ def round_values(low: float, high: float, count: int = 5) -> Array:
     return step * np.arange(first, last + 1) + 0.0  # no "-0"
 
 
-def add_text(plotter: Any, text: str, position: tuple[float, float], size: int = TEXT) -> None:
-    """Text whose lower left corner lies at a ``position`` in parts of the panel."""
+def add_text(plotter: Any, text: str, position: tuple[float, float], letter: int) -> None:
+    """Text with letters of so many pixels, its lower left corner at parts of the panel."""
     actor = plotter.add_text(text, position=position, viewport=True, font=FONT, color=INK)
-    actor.prop.font_size = scaled(plotter, size)
+    actor.prop.font_size = letter

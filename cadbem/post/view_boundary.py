@@ -61,8 +61,9 @@ def draw_boundary(
         for i, view in enumerate(views):
             panel(plotter, i)
             _add_faces(plotter, boundary, surface, list(lines))
-            add_lines(plotter, edge_lines(boundary, 16), lifted(view, extent))
-            _add_defects(plotter, lines)
+            lift = lifted(view, extent)
+            add_lines(plotter, edge_lines(boundary, 16), lift)
+            _add_defects(plotter, lines, 2 * lift)
             seen |= _add_numbers(plotter, surface, view)
             add_axes(plotter)
             aim(plotter, view, extent)
@@ -120,11 +121,11 @@ def _add_part(plotter: Any, surface: Any, mask: NDArray[np.bool_], colour: str) 
         plotter.add_mesh(part, color=colour, ambient=0.5, diffuse=0.5, smooth_shading=True)
 
 
-def _add_defects(plotter: Any, lines: Mapping[int, list[Array]]) -> None:
+def _add_defects(plotter: Any, lines: Mapping[int, list[Array]], lift: Array) -> None:
     pyvista = load_pyvista()
     for face, curves in lines.items():
         for curve in curves:
-            mesh = pyvista.MultipleLines(curve.T)
+            mesh = pyvista.MultipleLines(curve.T + lift)
             plotter.add_mesh(mesh, color=DEFECT, line_width=5)
         middle = np.concatenate(curves, axis=1).mean(axis=1)
         _add_labels(plotter, middle[:, None], [face], DEFECT)

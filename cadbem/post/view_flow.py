@@ -29,6 +29,7 @@ from cadbem.post.style import (
     add_text,
     colour_bar,
     quantity_label,
+    scaled,
     size_label,
 )
 from cadbem.spline.basis import Array
@@ -162,4 +163,4 @@ def _add_bars(plotter: Any, bars: Mapping[str, Any], boundary: Boundary, extent:
     strip(plotter)
     for i, (quantity, actor) in enumerate(bars.items()):
         colour_bar(plotter, actor, quantity_label(quantity, boundary.unit), 0.24 + 0.4 * i, 0.3)
-    add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), SMALL)
+    add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), scaled(plotter, SMALL))

@@ -20,6 +20,7 @@ from cadbem.post.style import (
     add_text,
     colour_bar,
     quantity_label,
+    scaled,
     size_label,
 )
 from cadbem.problems.conditions import NoSlip
@@ -77,7 +78,7 @@ def draw_traction(solution: WallSolution, path: str | Path, *, size: Size = (180
         strip(plotter)
         for i, (quantity, actor) in enumerate(bars.items()):
             colour_bar(plotter, actor, quantity_label(quantity, boundary.unit), 0.24 + 0.4 * i, 0.3)
-        add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), SMALL)
+        add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), scaled(plotter, SMALL))
     return Path(path)
 
 
