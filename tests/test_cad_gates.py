@@ -1,0 +1,226 @@
+"""Files that cannot be a boundary: each gives one line that names the file and the remedy."""
+
+import subprocess
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import gmsh
+import pytest
+
+from cadbem.cad import inspect_cad, mesh_volume, read_cad
+from cadbem.errors import CadError
+
+occ = gmsh.model.occ
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Path]:
+    """A fresh gmsh model, and a folder for files."""
+    gmsh.initialize(interruptible=False, readConfigFiles=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield tmp_path
+    gmsh.finalize()
+
+
+def exported(path: Path) -> Path:
+    occ.synchronize()
+    gmsh.write(str(path))
+    return path
+
+
+def box(folder: Path, suffix: str = ".step") -> Path:
+    occ.addBox(0, 0, 0, 1, 2, 3)
+    return exported(folder / f"box{suffix}")
+
+
+def missing(folder: Path) -> Path:
+    return folder / "nowhere.step"
+
+
+def directory(folder: Path) -> Path:
+    (folder / "parts.step").mkdir()
+    return folder / "parts.step"
+
+
+def written(name: str, content: str) -> Callable[[Path], Path]:
+    def author(folder: Path) -> Path:
+        (folder / name).write_text(content)
+        return folder / name
+
+    return author
+
+
+def swapped_ending(folder: Path) -> Path:
+    return box(folder).rename(folder / "box.igs")
+
+
+def swapped_ending_back(folder: Path) -> Path:
+    return box(folder, ".igs").rename(folder / "box.stp")
+
+
+def cut_off(suffix: str) -> Callable[[Path], Path]:
+    def author(folder: Path) -> Path:
+        path = box(folder, suffix)
+        path.write_text(path.read_text()[: -path.stat().st_size // 3])
+        return path
+
+    return author
+
+
+def replaced(suffix: str, old: str, new: str) -> Callable[[Path], Path]:
+    """A box with the first `old` of the file become `new`."""
+
+    def author(folder: Path) -> Path:
+        path = box(folder, suffix)
+        text = path.read_text()
+        assert old in text
+        path.write_text(text.replace(old, new, 1))
+        return path
+
+    return author
+
+
+def wireframe(folder: Path) -> Path:
+    occ.addCircle(0, 0, 0, 1)
+    return exported(folder / "wire.step")
+
+
+def no_entities(folder: Path) -> Path:
+    path = box(folder)
+    head, _, _ = path.read_text().partition("DATA;")
+    path.write_text(head + "DATA;\nENDSEC;\nEND-ISO-10303-21;\n")
+    return path
+
+
+def open_shell(folder: Path) -> Path:
+    """A box without its top, z = 3."""
+    occ.addBox(0, 0, 0, 1, 2, 3)
+    occ.remove([(3, 1)])
+    occ.remove([(2, 6)])
+    return exported(folder / "tub.step")
+
+
+def two_solids(folder: Path) -> Path:
+    occ.addBox(0, 0, 0, 1, 2, 3)
+    occ.addBox(5, 0, 0, 2, 2, 2)
+    return exported(folder / "two.step")
+
+
+def tiny(folder: Path) -> Path:
+    occ.addBox(0, 0, 0, 3e-5, 2e-5, 3e-5)
+    return exported(folder / "tiny.step")
+
+
+def huge(folder: Path) -> Path:
+    occ.addBox(0, 0, 0, 1e9, 1e9, 1e9)
+    return exported(folder / "huge.step")
+
+
+def perforated(folder: Path) -> Path:
+    occ.cut([(3, occ.addBox(-2, -2, 0, 4, 4, 1))], [(3, occ.addCylinder(0, 0, 0, 0, 0, 1, 1))])
+    return exported(folder / "plate.step")
+
+
+def damaged_reference(folder: Path) -> Path:
+    path = box(folder)
+    path.write_text(path.read_text().replace("EDGE_LOOP('',(#", "EDGE_LOOP('',(#99", 1))
+    return path
+
+
+CASES = [
+    (missing, "no such file"),
+    (directory, "directory"),
+    (written("empty.stp", ""), "empty"),
+    (written("blank.igs", " \n\n"), "empty"),
+    (written("letter.step", "Dear all,\nthe file is attached.\n"), "not STEP"),
+    (written("letter.iges", "Dear all,\nthe file is attached.\n"), "not IGES"),
+    (written("part.stl", "solid part\nendsolid\n"), "unknown ending '.stl'"),
+    (written("part", "ISO-10303-21;"), "unknown ending ''"),
+    (swapped_ending, "content is STEP.*rename the file to .step"),
+    (swapped_ending_back, "content is IGES.*rename the file to .iges"),
+    (cut_off(".step"), "cut off"),
+    (cut_off(".igs"), "cut off"),
+    (replaced(".step", "(0.,0.,3.)", "(0.,0.,NaN)"), "'NaN' near line .* not a finite number"),
+    (replaced(".step", "(0.,0.,3.)", "(0.,-inf,3.)"), "not a finite number"),
+    (replaced(".step", "(0.,0.,3.)", "(0.,0.,1.E+400)"), "not a finite number"),
+    (replaced(".igs", ",0.,3.,", ",nan,3,"), "not a finite number"),
+    (wireframe, "no faces but 1 curve"),
+    (no_entities, "no faces"),
+    (open_shell, r"4 edges belong to one face only, the first at \[.*, 3\] mm"),
+    (two_solids, r"2 solids .* with 6 faces about \[0.5, 1, 1.5\] mm; .* \[6, 1, 1\] mm"),
+    (tiny, "3e-05 mm large"),
+    (huge, "1e\\+09 mm large"),
+    (perforated, r"face \d \(plane, 5 edges, 1 hole\) at \[0, 0, 0|1\] mm and 1 more"),
+]
+
+
+@pytest.mark.parametrize(("author", "words"), CASES)
+def test_one_line_says_what_is_wrong(folder: Path, author: Callable[[Path], Path], words: str):
+    path = author(folder)
+    with pytest.raises(CadError, match=words) as caught:
+        read_cad(path)
+    message = str(caught.value)
+    assert path.name in message
+    assert "\n" not in message
+    assert len(message) < 400
+
+
+def test_a_byte_order_mark_does_no_harm(folder: Path):
+    path = box(folder)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_cad(path).volume() == pytest.approx(6, rel=1e-12)
+
+
+def test_nan_in_a_name_is_a_name(folder: Path):
+    """A string is no number, whatever it says."""
+    path = box(folder)
+    path.write_text(path.read_text().replace("ADVANCED_FACE(''", "ADVANCED_FACE('(NaN)'"))
+    assert read_cad(path).names == ("(NaN)",)
+
+
+def test_a_dangling_reference_never_passes_silently(folder: Path):
+    with pytest.raises(CadError):
+        read_cad(damaged_reference(folder))
+
+
+@pytest.mark.parametrize("function", [read_cad, inspect_cad])
+def test_the_kernel_has_a_time_limit(folder: Path, function: Callable[..., object]):
+    with pytest.raises(CadError, match="not done after 0.01 s.*time_limit"):
+        function(box(folder), time_limit=0.01)
+
+
+def test_a_crash_of_the_kernel_is_reported(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """A process that a signal ended has a negative exit code and leaves no answer."""
+    died = subprocess.CompletedProcess([], -11, b"noise")
+    monkeypatch.setattr("cadbem.cad.kernel.subprocess.run", lambda *a, **k: died)
+    with pytest.raises(CadError, match="kernel crashed.*exit code -11"):
+        read_cad(box(folder))
+
+
+def test_a_missing_gmsh_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """The wheel of gmsh needs system libraries that a bare machine lacks."""
+    complaint = b"Traceback ...\nOSError: libGLU.so.1: cannot open shared object file\n"
+    died = subprocess.CompletedProcess([], 1, complaint)
+    monkeypatch.setattr("cadbem.cad.kernel.subprocess.run", lambda *a, **k: died)
+    with pytest.raises(CadError, match="libGLU.so.1.*install"):
+        read_cad(box(folder))
+
+
+def test_reports_do_not_raise_for_what_they_can_describe(folder: Path):
+    report = inspect_cad(open_shell(folder))
+    assert len(report.problems) == 1
+    assert "4 edges belong to one face only" in report.problems[0]
+    assert report.area == pytest.approx(22 - 2, rel=1e-12)
+    gmsh.clear()
+    assert "2 solids" in inspect_cad(two_solids(folder)).problems[0]
+
+
+@pytest.mark.parametrize("size", [0.0, -1.0, float("nan")])
+def test_the_size_of_tetrahedra_must_be_positive(folder: Path, size: float):
+    with pytest.raises(CadError, match="not a positive length"):
+        mesh_volume(folder / "any.step", size)
+
+
+def test_only_one_solid_is_meshed(folder: Path):
+    with pytest.raises(CadError, match="2 solids"):
+        mesh_volume(two_solids(folder), 1.0)
