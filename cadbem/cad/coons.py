@@ -44,12 +44,20 @@ def round_patches(rim: list[Nurbs]) -> list[Nurbs]:
     centre = np.mean(corners, axis=0)
     core = [0.5 * (centre + corner) for corner in corners]
     inner = [segment(core[k], core[(k + 1) % 4]) for k in range(4)]
-    spokes = [segment(core[k], corners[k]) for k in range(4)]
-    ring = [
-        coons_patch([spokes[k], rim[k], spokes[(k + 1) % 4].reversed(), inner[k].reversed()])
-        for k in range(4)
+    return [coons_patch(inner), *ring_patches(rim, inner)]
+
+
+def ring_patches(outer: list[Nurbs], inner: list[Nurbs]) -> list[Nurbs]:
+    """The region between two closed borders of as many curves each: one patch for each pair.
+
+    Raises ValueError as `coons_patch` does.
+    """
+    spokes = [segment(i.points[0], o.points[0]) for o, i in zip(outer, inner, strict=True)]
+    following = [*spokes[1:], spokes[0]]
+    return [
+        coons_patch([spoke, o, after.reversed(), i.reversed()])
+        for o, i, spoke, after in zip(outer, inner, spokes, following, strict=True)
     ]
-    return [coons_patch(inner), *ring]
 
 
 def star_patches(halves: list[list[Nurbs]]) -> list[Nurbs]:

@@ -11,22 +11,17 @@ from itertools import pairwise
 import numpy as np
 
 from cadbem.cad.brep import BrepFace
-from cadbem.cad.brep_geometry import CIRCLE, ELLIPSE, CurveRecord
-from cadbem.cad.coons import coons_patch, round_patches, star_patches
-from cadbem.cad.curves import arc
+from cadbem.cad.coons import coons_patch, ring_patches, round_patches, star_patches
 from cadbem.cad.face_geometry import (
     FLAT,
-    SHARPEST,
     located,
-    normal,
     parameter_box,
     parameter_curves,
-    planar_edges,
-    planar_loop,
-    planar_sides,
+    points_on,
     sampled,
     shape_of,
 )
+from cadbem.cad.loops import SHARPEST, conic_loop, loop_edges, loop_sides, normal
 from cadbem.cad.surfaces import smooth_pieces, surface_nurbs
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
@@ -69,52 +64,67 @@ def whole_rectangle(face: BrepFace) -> list[Nurbs] | None:
     return [located(surface_nurbs(face.surface, *box), face)]
 
 
-def planar_ellipse(face: BrepFace) -> list[Nurbs] | None:
-    """A plane face whose only loop is one circle or ellipse, perhaps in several arcs."""
-    loop = planar_loop(face)
-    conics = [use.curve for use in loop or [] if use.curve and use.curve.kind in (CIRCLE, ELLIPSE)]
-    if not loop or len(conics) != len(loop):
-        return None
-    turn = sum(use.interval[1] - use.interval[0] for use in loop)
-    if abs(turn - 2 * np.pi) > 1e-6 or not all(_same_conic(conics[0], c) for c in conics):
-        return None
-    origin, x, y = conics[0].frame
-    a, b = conics[0].sizes[0], conics[0].sizes[-1]
-    angles = loop[0].interval[0] + np.pi / 2 * np.arange(5)
-    place = loop[0].matrix
-    rim = [
-        arc(origin, a * x, b * y, ends).transformed(place[:3, :3], place[:3, 3])
-        for ends in pairwise(angles)
-    ]
-    return _accepted(face, round_patches(rim))
-
-
 def planar_four_sided(face: BrepFace) -> list[Nurbs] | None:
     """A plane face with one loop of four sides."""
-    sides = planar_sides(face)
-    return _accepted(face, [coons_patch(sides)]) if len(sides) == 4 else None
+    sides = loop_sides(face)
+    if len(sides) != 4 or len(face.loops) != 1:
+        return None
+    return _accepted(face, [coons_patch(sides)])
 
 
 def planar_round(face: BrepFace) -> list[Nurbs] | None:
     """A plane face with one, two or four sides that may meet smoothly, like an oval or a lens."""
-    sides = planar_edges(face)
-    if len(sides) not in (1, 2, 4):
-        sides = planar_sides(face)
-    if len(sides) not in (1, 2, 4):
-        return None
-    parts = 4 // len(sides)
-    return _accepted(face, round_patches([piece for s in sides for piece in _cut(s, parts)]))
+    rim = _rim(face, 0)
+    return _accepted(face, round_patches(rim)) if len(rim) == 4 and len(face.loops) == 1 else None
 
 
 def planar_star(face: BrepFace) -> list[Nurbs] | None:
     """A plane face with one loop of few sides that a point in the middle sees all of."""
-    sides = planar_sides(face)
-    if not 3 <= len(sides) <= MOST_SIDES:
+    sides = loop_sides(face)
+    if not 3 <= len(sides) <= MOST_SIDES or len(face.loops) != 1:
         return None
     return _accepted(face, star_patches([_cut(side, 2) for side in sides]))
 
 
-WAYS = (whole_rectangle, planar_ellipse, planar_four_sided, planar_round, planar_star)
+def planar_ring(face: BrepFace) -> list[Nurbs] | None:
+    """A plane face with one hole, a circle or an ellipse: a patch for each side of the border."""
+    if len(face.loops) != 2:
+        return None
+    sizes = [np.ptp(np.concatenate([points_on(use) for use in loop]), axis=0).max()
+             for loop in face.loops if all(use.curve for use in loop)]  # fmt: skip
+    if len(sizes) != 2:
+        return None
+    hole = conic_loop(face, int(np.argmin(sizes)))
+    rim = _rim(face, int(np.argmax(sizes)))
+    if hole is None or not rim:
+        return None
+    angles = np.unwrap([hole.angle(curve.points[0]) for curve in [*rim, rim[0]]])
+    if abs(abs(angles[-1] - angles[0]) - 2 * np.pi) > 1e-6:
+        return None
+    return _accepted(face, ring_patches(rim, [hole.arc(*ends) for ends in pairwise(angles)]))
+
+
+WAYS = (
+    whole_rectangle, planar_four_sided, planar_round, planar_star, planar_ring
+)  # fmt: skip
+
+
+def _rim(face: BrepFace, loop: int) -> list[Nurbs]:
+    """A plane face's loop as a few curves, four if it has one, two or four sides."""
+    conic = conic_loop(face, loop)
+    if conic is not None:
+        angles = conic.start + np.pi / 2 * np.arange(5)
+        return [conic.arc(*ends) for ends in pairwise(angles)]
+    sides = loop_edges(face, loop)
+    if len(sides) not in (1, 2, 4):
+        sides = loop_sides(face, loop)
+    if not sides:
+        return []
+    parts = [1] * len(sides) if len(sides) > 2 else [4 // len(sides)] * len(sides)
+    straight = [len(side.points) == 2 for side in sides]
+    if len(sides) == 2 and any(straight):  # as in half a disk
+        parts = [1, 3] if straight[0] else [3, 1]
+    return [piece for side, n in zip(sides, parts, strict=True) for piece in _cut(side, n)]
 
 
 def _cut(curve: Nurbs, parts: int) -> list[Nurbs]:
@@ -126,13 +136,6 @@ def _cut(curve: Nurbs, parts: int) -> list[Nurbs]:
         knot = knots[np.argmin(np.abs(knots - t))]
         ends.append(float(knot if abs(knot - t) < 1e-9 * (high - low) else t))
     return [curve.restricted(pair) for pair in pairwise(ends)]
-
-
-def _same_conic(first: CurveRecord, second: CurveRecord) -> bool:
-    size = max(first.sizes)
-    same_centre = np.allclose(first.frame[0], second.frame[0], rtol=0, atol=FLAT * size)
-    same_axes = first.kind == CIRCLE or np.allclose(abs(first.frame), abs(second.frame))
-    return bool(same_centre and same_axes and np.allclose(first.sizes, second.sizes, rtol=FLAT))
 
 
 def _accepted(face: BrepFace, surfaces: list[Nurbs]) -> list[Nurbs] | None:
