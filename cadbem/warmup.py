@@ -6,7 +6,7 @@ import numpy as np
 from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.problems.conditions import Inflow, NoSlip, Pressure
+from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
 from cadbem.problems.stokes import StokesProblem
 from cadbem.spline.shapes import box
 
@@ -16,7 +16,11 @@ def warm_up(progress: bool = True) -> None:
     names = ("inlet", "outlet", "walls", "walls", "walls", "walls")
     patches = [Patch(s, n, i + 1) for i, (s, n) in enumerate(zip(box(), names, strict=True))]
     boundary = Boundary(tuple(patches)).elevated(2).refined(2)
-    conditions = {"inlet": Inflow(mean_velocity=1.0), "outlet": Pressure(0.0), "walls": NoSlip()}
+    conditions: dict[str, Condition] = {
+        "inlet": Inflow(mean_velocity=1.0),
+        "outlet": Pressure(0.0),
+        "walls": NoSlip(),
+    }
     problem = StokesProblem(boundary, 1.0, conditions)
     points = np.array([[0.5, 0.5], [0.5, 0.5], [0.5, 1e-3]])
     steps = (

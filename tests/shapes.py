@@ -52,5 +52,6 @@ def bulged() -> Boundary:
         curved = side.elevated((2, 2))
         points = curved.points.copy()
         points[1, 1] *= 1.7
-        patches.append(Patch(Nurbs(curved.degrees, curved.knots, points, curved.weights), "", i + 1))
+        surface = Nurbs(curved.degrees, curved.knots, points, curved.weights)
+        patches.append(Patch(surface, "", i + 1))
     return Boundary(tuple(patches))

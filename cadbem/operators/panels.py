@@ -6,11 +6,13 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
+Index = NDArray[np.int64]
 WIDEST_TURN = np.deg2rad(50.0)  # a rational arc wider than this asks for higher orders
 SAME_PARAMETER = 1e-10  # share of a panel below which parameters count as equal
 
@@ -29,7 +31,7 @@ class Panels:
     breaks: tuple[Array, ...]
     nets: Array
     extraction: tuple[Array, ...]
-    first: tuple[Array, ...]
+    first: tuple[Index, ...]
 
     @property
     def shape(self) -> tuple[int, int]:
@@ -66,14 +68,14 @@ class Panels:
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
         return np.maximum(u, v)
 
-    def locate(self, direction: int, parameter: Array) -> Array:
+    def locate(self, direction: int, parameter: Array) -> NDArray[np.bool_]:
         """Whether parameters (T,) lie in each closed panel interval: bool (T, P)."""
         breaks = self.breaks[direction]
         low = breaks[:-1] - SAME_PARAMETER * np.diff(breaks)
         high = breaks[1:] + SAME_PARAMETER * np.diff(breaks)
         return (parameter[:, None] >= low) & (parameter[:, None] <= high)
 
-    def local(self, direction: int, parameter: Array, panel: Array) -> Array:
+    def local(self, direction: int, parameter: Array, panel: Index) -> Array:
         """Parameters within their panels, in [0, 1]."""
         breaks = self.breaks[direction]
         share = (parameter - breaks[panel]) / (breaks[panel + 1] - breaks[panel])
@@ -95,11 +97,9 @@ def split_patch(surface: Nurbs) -> Panels:
         extraction.append(np.ascontiguousarray(blocks))
         first.append(numbers)
     p, q = surface.degrees
+    rows, columns = (range(len(b) - 1) for b in breaks)
     nets = np.array(
-        [
-            [control[a * p : a * p + p + 1, b * q : b * q + q + 1] for b in range(len(breaks[1]) - 1)]
-            for a in range(len(breaks[0]) - 1)
-        ]
+        [[control[a * p :, b * q :][: p + 1, : q + 1] for b in columns] for a in rows]
     )
     return Panels(surface, breaks, nets, tuple(extraction), tuple(first))
 

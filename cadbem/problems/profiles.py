@@ -127,5 +127,5 @@ def _outline(patch: Patch, samples: int = 33) -> Array:
     """Points (3, N) on the edges of a patch."""
     (u0, u1), (v0, v1) = patch.surface.domain
     u, v = np.linspace(u0, u1, samples), np.linspace(v0, v1, samples)
-    edges = [(u, v0), (u, v1), (u0, v), (u1, v)]
-    return np.concatenate([patch.surface.evaluate(*e) for e in edges], axis=1)
+    x = patch.surface.evaluate
+    return np.concatenate([x(u, v0), x(u, v1), x(u0, v), x(u1, v)], axis=1)

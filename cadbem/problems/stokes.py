@@ -117,6 +117,11 @@ class StokesProblem:
 
 
 def _check_names(boundary: Boundary, conditions: Mapping[str, Condition]) -> None:
+    for index, patch in enumerate(boundary.patches):
+        if not patch.name:
+            raise ConditionError(
+                f"{boundary.label(index)} has no name; give it one with boundary.named(...)"
+            )
     known = (NoSlip, Velocity, Inflow, Pressure, Traction)
     for name, condition in conditions.items():
         if not isinstance(condition, known):
@@ -129,8 +134,6 @@ def _check_names(boundary: Boundary, conditions: Mapping[str, Condition]) -> Non
         if patch.name not in conditions:
             raise ConditionError(
                 f"{boundary.label(index)} has no condition; give one for '{patch.name}'"
-                if patch.name
-                else f"{boundary.label(index)} has no name; name it with boundary.named(...)"
             )
 
 

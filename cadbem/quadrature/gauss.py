@@ -6,8 +6,10 @@ from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
-from cadbem.spline.basis import Array
+Array = NDArray[np.float64]
+
 
 
 @lru_cache(maxsize=128)

@@ -128,8 +128,9 @@ def polar_nodes(net, u, v, distance, tolerance, gauss, nodes, work):
 
 @njit(cache=True, nogil=True)
 def place_nodes(
-    nets, panel_of, first, u, v, distance, tolerance, gauss, starts, position, normal, weight, bu, bv
-):
+    nets, panel_of, first, u, v, distance, tolerance, gauss,
+    starts, position, normal, weight, bu, bv,
+):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
     ``u``, ``v``, ``distance`` give each pair's closest point.  Tables: ``position`` and

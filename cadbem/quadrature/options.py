@@ -32,5 +32,5 @@ class Quadrature:
         The nearest singularity of 1/r lies at ±i 2d/L over the interval [-1, 1], so the error
         falls like exp(-2 m asinh(2d/L)); densities of a degree use up half of it in order.
         """
-        digits = -log(self.tolerance) + 4.0
+        digits = -log(self.tolerance) + 5.0
         return 0.5 * sinh(digits / (2.0 * (order - degree / 2)))

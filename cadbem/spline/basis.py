@@ -16,7 +16,9 @@ from numpy.typing import ArrayLike, NDArray
 Array = NDArray[np.float64]
 
 
-def open_knots(degree: int, breaks: Sequence[float] | Array, continuity: int | None = None) -> Array:
+def open_knots(
+    degree: int, breaks: Sequence[float] | Array, continuity: int | None = None
+) -> Array:
     """Open knot vector through increasing ``breaks``, C^continuity inside (default degree - 1)."""
     inner = degree - (degree - 1 if continuity is None else continuity)
     breaks = np.asarray(breaks, dtype=float)
@@ -133,7 +135,8 @@ def _blossom_step(degree: int, knots: Array, new_degree: int, new_knots: Array) 
     if new_degree == degree:
         return _blossoms(degree, knots, spans, inner)
     left_out = [np.delete(inner, j, axis=1) for j in range(new_degree)]
-    return sum(_blossoms(degree, knots, spans, arguments) for arguments in left_out) / new_degree
+    blossoms = [_blossoms(degree, knots, spans, arguments) for arguments in left_out]
+    return np.mean(blossoms, axis=0)
 
 
 def _nearest_spans(

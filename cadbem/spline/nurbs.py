@@ -154,7 +154,8 @@ class Nurbs:
             slices.append(slice(max(start, 0), stop))
             inner = k[(k > low) & (k < high)]
             knots.append(np.concatenate([[low] * (p + 1), inner, [high] * (p + 1)]))
-        return Nurbs(cut.degrees, tuple(knots), cut.points[tuple(slices)], cut.weights[tuple(slices)])
+        part = tuple(slices)
+        return Nurbs(cut.degrees, tuple(knots), cut.points[part], cut.weights[part])
 
     def bezier_pieces(self) -> list[Nurbs]:
         """One single-span piece for each element, the last parameter running fastest."""

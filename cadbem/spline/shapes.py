@@ -14,7 +14,8 @@ def parallelogram(corner: ArrayLike, first: ArrayLike, second: ArrayLike) -> Nur
     """Bilinear patch from a corner along two vectors (3,); its normal is first × second."""
     o, a, b = (np.asarray(v, dtype=float) for v in (corner, first, second))
     knots = np.array([0.0, 0.0, 1.0, 1.0])
-    return Nurbs((1, 1), (knots, knots), np.array([[o, o + b], [o + a, o + a + b]]), np.ones((2, 2)))
+    points = np.array([[o, o + b], [o + a, o + a + b]])
+    return Nurbs((1, 1), (knots, knots), points, np.ones((2, 2)))
 
 
 def box(
