@@ -1,6 +1,5 @@
 """Files that cannot be a boundary: each gives one line that names the file and the remedy."""
 
-import subprocess
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -117,7 +116,10 @@ def huge(folder: Path) -> Path:
 
 
 def perforated(folder: Path) -> Path:
-    occ.cut([(3, occ.addBox(-2, -2, 0, 4, 4, 1))], [(3, occ.addCylinder(0, 0, 0, 0, 0, 1, 1))])
+    """A plate with two holes."""
+    plate = occ.addBox(-2, -2, 0, 8, 4, 1)
+    holes = [(3, occ.addCylinder(x, 0, 0, 0, 0, 1, 1)) for x in (0, 4)]
+    occ.cut([(3, plate)], holes)
     return exported(folder / "plate.step")
 
 
@@ -150,7 +152,7 @@ CASES = [
     (two_solids, r"2 solids .* with 6 faces about \[0.5, 1, 1.5\] mm; .* \[6, 1, 1\] mm"),
     (tiny, "3e-05 mm large"),
     (huge, "1e\\+09 mm large"),
-    (perforated, r"face \d \(plane, 5 edges, 1 hole\) at \[0, 0, 0|1\] mm and 1 more"),
+    (perforated, r"face \d \(plane, 6 edges, 2 holes\) at \[2, 0, [01]\] mm and 1 more"),
 ]
 
 
@@ -191,8 +193,7 @@ def test_the_kernel_has_a_time_limit(folder: Path, function: Callable[..., objec
 
 def test_a_crash_of_the_kernel_is_reported(folder: Path, monkeypatch: pytest.MonkeyPatch):
     """A process that a signal ended has a negative exit code and leaves no answer."""
-    died = subprocess.CompletedProcess([], -11, b"noise")
-    monkeypatch.setattr("cadbem.cad.kernel.subprocess.run", lambda *a, **k: died)
+    monkeypatch.setattr("cadbem.cad.kernel._finished", lambda *_: (-11, b"noise"))
     with pytest.raises(CadError, match="kernel crashed.*exit code -11"):
         read_cad(box(folder))
 
@@ -200,8 +201,7 @@ def test_a_crash_of_the_kernel_is_reported(folder: Path, monkeypatch: pytest.Mon
 def test_a_missing_gmsh_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch):
     """The wheel of gmsh needs system libraries that a bare machine lacks."""
     complaint = b"Traceback ...\nOSError: libGLU.so.1: cannot open shared object file\n"
-    died = subprocess.CompletedProcess([], 1, complaint)
-    monkeypatch.setattr("cadbem.cad.kernel.subprocess.run", lambda *a, **k: died)
+    monkeypatch.setattr("cadbem.cad.kernel._finished", lambda *_: (1, complaint))
     with pytest.raises(CadError, match="libGLU.so.1.*install"):
         read_cad(box(folder))
 

@@ -246,16 +246,18 @@ def test_report_of_a_good_file(folder: Path):
 
 
 def test_report_of_a_bad_file_lists_what_is_wrong(folder: Path):
-    """A plate with a hole: both its large faces have no patches, the other five do."""
-    occ.cut([(3, occ.addBox(-2, -2, 0, 4, 4, 1))], [(3, occ.addCylinder(0, 0, 0, 0, 0, 1, 1))])
+    """A plate with two holes: its large faces have no patches, the other six do."""
+    plate = occ.addBox(-2, -2, 0, 8, 4, 1)
+    holes = [(3, occ.addCylinder(x, 0, 0, 0, 0, 1, 1)) for x in (0, 4)]
+    occ.cut([(3, plate)], holes)
     report = inspect_cad(exported(folder / "plate.step"))
     bad = [face for face in report.faces if face.problem]
     assert [face.kind for face in bad] == ["plane", "plane"]
-    assert len(report.faces) == 7
+    assert len(report.faces) == 8
     assert len(report.problems) == 2
-    assert "1 hole" in report.problems[0]
+    assert "2 holes" in report.problems[0]
     assert np.isnan(report.volume)
-    assert np.allclose(report.bounds, [[-2, -2, 0], [2, 2, 1]])
+    assert np.allclose(report.bounds, [[-2, -2, 0], [6, 2, 1]])
 
 
 def test_mesh_of_the_volume_is_in_the_files_unit(folder: Path):

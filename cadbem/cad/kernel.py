@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import json
-import subprocess
 import sys
 from dataclasses import dataclass
 from pathlib import Path
+from subprocess import DEVNULL, PIPE, STDOUT, Popen, TimeoutExpired
 from tempfile import TemporaryDirectory
+from time import monotonic
 
 import numpy as np
+from tqdm import tqdm
 
 from cadbem.cad.source import CadSource
 from cadbem.errors import CadError
@@ -73,24 +75,11 @@ def _run(
     copy.write_bytes(source.data)
     child = Path(__file__).with_name("_child.py")
     command = [sys.executable, "-P", str(child), task, str(copy), str(folder), *options]
-    try:
-        done = subprocess.run(
-            command,
-            stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT,
-            stdin=subprocess.DEVNULL,
-            cwd=folder,
-            timeout=time_limit,
-        )
-    except subprocess.TimeoutExpired:
-        raise CadError(
-            f"{source.name}: the CAD kernel was not done after {time_limit:g} s; "
-            "simplify the model, or allow more time with time_limit"
-        ) from None
-    log = _noteworthy(done.stdout.decode(errors="replace"))
+    code, output = _finished(command, folder, time_limit, source.name)
+    log = _noteworthy(output.decode(errors="replace"))
     result = folder / "model.json"
     if not result.exists():
-        raise CadError(_crash_message(source, done.returncode, log))
+        raise CadError(_crash_message(source, code, log))
     found = json.loads(result.read_text())
     if "error" in found:
         raise CadError(
@@ -98,6 +87,31 @@ def _run(
             "export it again from the CAD program"
         )
     return found, log
+
+
+def _finished(command: list[str], folder: Path, time_limit: float, name: str) -> tuple[int, bytes]:
+    """Exit code and output of the child; it is killed when the time is over."""
+    start = monotonic()
+    with (
+        Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, cwd=folder) as process,
+        tqdm(desc=f"{name}: CAD kernel", unit="s", total=time_limit, delay=2, leave=False) as bar,
+    ):
+        try:
+            while True:
+                left = start + time_limit - monotonic()
+                try:
+                    output, _ = process.communicate(timeout=max(0.0, min(0.5, left)))
+                    return process.returncode, output
+                except TimeoutExpired:
+                    if left <= 0.5:
+                        break
+                    bar.update(monotonic() - start - bar.n)
+        finally:
+            process.kill()  # also when the user interrupts
+    raise CadError(
+        f"{name}: the CAD kernel was not done after {time_limit:g} s; "
+        "simplify the model, or allow more time with time_limit"
+    )
 
 
 def _crash_message(source: CadSource, code: int, log: tuple[str, ...]) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.face_geometry import points_on
@@ -70,12 +71,12 @@ def _middle(use: EdgeUse) -> Array:
 
 def _distinct(mark: FaceMark) -> FaceMark:
     """Each corner once."""
-    size = np.ptp(mark.corners, axis=0).max() if len(mark.corners) else 0.0
-    kept: list[Array] = []
-    for corner in mark.corners:
-        if all(np.linalg.norm(corner - other) > MATCH * size for other in kept):
-            kept.append(corner)
-    return replace(mark, corners=np.array(kept).reshape(-1, 3))
+    if not len(mark.corners):
+        return mark
+    size = float(np.ptp(mark.corners, axis=0).max())
+    again = {later for _, later in cKDTree(mark.corners).query_pairs(MATCH * size)}
+    kept = [index for index in range(len(mark.corners)) if index not in again]
+    return replace(mark, corners=mark.corners[kept])
 
 
 def _agree(first: FaceMark, second: FaceMark, tolerance: float) -> bool:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from cadbem.boundary import Patch
 from cadbem.cad.brep import BrepFace, EdgeUse, read_brep
@@ -153,16 +154,12 @@ def _unpaired(free: list[EdgeUse]) -> list[EdgeUse]:
     if not points:
         return []
     tolerance = 1e-6 * float(np.ptp(np.concatenate(points), axis=0).max())
-    rest = list(range(len(free)))
-    alone = []
-    while rest:
-        first = rest.pop()
-        twin = next((k for k in rest if _coincide(points[first], points[k], tolerance)), None)
-        if twin is None:
-            alone.append(free[first])
-        else:
-            rest.remove(twin)
-    return alone[::-1]
+    middles = np.array([p.mean(axis=0) for p in points])
+    paired: set[int] = set()
+    for i, j in sorted(cKDTree(middles).query_pairs(tolerance)):
+        if paired.isdisjoint((i, j)) and _coincide(points[i], points[j], tolerance):
+            paired |= {i, j}
+    return [use for k, use in enumerate(free) if k not in paired]
 
 
 def _coincide(first: Array, second: Array, tolerance: float) -> bool:

@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.model import CadModel, open_model
@@ -57,7 +58,7 @@ def oriented(boundary: Boundary) -> Boundary:
 
 def _all_patches(model: CadModel) -> list[Patch]:
     patches, refused = [], []
-    for face in model.faces:
+    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False):
         try:
             patches += model.patches(face)
         except CadError:
