@@ -1,5 +1,6 @@
 """Files that cannot be a boundary: each gives one line that names the file and the remedy."""
 
+import re
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -213,6 +214,18 @@ def test_reports_do_not_raise_for_what_they_can_describe(folder: Path):
     assert report.area == pytest.approx(22 - 2, rel=1e-12)
     gmsh.clear()
     assert "2 solids" in inspect_cad(two_solids(folder)).problems[0]
+
+
+def test_reports_tell_what_the_kernel_complained_about(folder: Path):
+    """A shell that refers to a face which is not there has a hole in its place."""
+    path = box(folder)
+    text = path.read_text()
+    shell = re.search(r"CLOSED_SHELL\('',\((#\d+)", text)
+    assert shell is not None
+    path.write_text(text.replace(shell[0], "CLOSED_SHELL('',(#99999"))
+    report = inspect_cad(path)
+    assert any("Unresolved Reference" in remark for remark in report.remarks)
+    assert "4 edges belong to one face only" in report.problems[0]
 
 
 @pytest.mark.parametrize("size", [0.0, -1.0, float("nan")])

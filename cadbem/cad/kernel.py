@@ -129,7 +129,8 @@ def _noteworthy(output: str) -> tuple[str, ...]:
     """Lines of the kernel's output that tell of trouble, without terminal colours."""
     lines = [line.replace("\x1b[32;1m", "").replace("\x1b[0m", "") for line in output.splitlines()]
     marks = ("Error", "ERR", "Warning", "fail", "Fail")
-    return tuple(_one_line(line) for line in lines if any(mark in line for mark in marks))
+    found = [_one_line(line) for line in lines if any(mark in line for mark in marks)]
+    return tuple(dict.fromkeys(found))
 
 
 def _one_line(text: str) -> str:

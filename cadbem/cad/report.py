@@ -43,6 +43,7 @@ class CadReport:
     are those of the patches, nan if some face has none. `bounds` (2, 3) is the box of edges and
     patches, by sampling.
     `problems` are lines that say what is wrong and what to do; there are none if `read_cad` works.
+    `remarks` are what the CAD kernel complained about while it read the file.
     """
 
     file: str
@@ -53,6 +54,7 @@ class CadReport:
     bounds: Array
     gap: float
     problems: tuple[str, ...]
+    remarks: tuple[str, ...]
 
 
 def inspect_cad(path: str | Path, *, time_limit: float = 60.0) -> CadReport:
@@ -79,7 +81,7 @@ def inspect_cad(path: str | Path, *, time_limit: float = 60.0) -> CadReport:
             problems.append(str(error))
     return CadReport(
         model.file, model.unit.name, tuple(reports), area, volume, _bounds(model, everything), gap,
-        tuple(problems),
+        tuple(problems), model.kernel.log,
     )  # fmt: skip
 
 
