@@ -2,12 +2,14 @@
 
 import re
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from pathlib import Path
 
 import gmsh
 import pytest
 
 from cadbem.cad import inspect_cad, mesh_volume, read_cad
+from cadbem.cad.model import open_model
 from cadbem.errors import CadError
 
 occ = gmsh.model.occ
@@ -226,6 +228,16 @@ def test_reports_tell_what_the_kernel_complained_about(folder: Path):
     report = inspect_cad(path)
     assert any("Unresolved Reference" in remark for remark in report.remarks)
     assert "4 edges belong to one face only" in report.problems[0]
+
+
+def test_faces_of_no_solid_must_be_turned_alike(folder: Path):
+    """A closed box without a solid: fine as it is, refused with its first two faces turned."""
+    model = open_model(box(folder), 60.0)
+    loose = replace(model, kernel=replace(model.kernel, solids=()))
+    assert loose.obstacles() == []
+    turned = [replace(face, outward=-face.outward) for face in loose.faces[:2]]
+    (problem,) = replace(loose, faces=(*turned, *loose.faces[2:])).obstacles()
+    assert "turned to different sides" in problem
 
 
 @pytest.mark.parametrize("size", [0.0, -1.0, float("nan")])

@@ -87,7 +87,11 @@ class CadModel:
     def _edge_problems(self) -> list[str]:
         uses = [use for face in self.faces for loop in face.loops for use in loop]
         counts = Counter(use.key for use in uses if use.curve is not None)
-        free = _unpaired([use for use in uses if counts[use.key] == 1 and use.curve is not None])
+        free = [
+            use
+            for face in self.faces
+            for use in _unpaired([u for loop in face.loops for u in loop if counts[u.key] == 1])
+        ]
         crowded = {use.key: use for use in uses if counts[use.key] > 2}
         problems = []
         if free:
@@ -100,7 +104,19 @@ class CadModel:
                 f"{self.file}: {len(crowded)} edges belong to more than two faces, the first at "
                 f"{self._edge_place(next(iter(crowded.values())))}; remove inner faces"
             )
+        if not (self.kernel.solids or free) and self._has_turned_faces():
+            problems.append(
+                f"{self.file}: the faces are turned to different sides; export them as a solid"
+            )
         return problems
+
+    def _has_turned_faces(self) -> bool:
+        """Neighbours that are turned alike run along their common edge in opposite directions."""
+        turns: Counter = Counter()
+        for face in self.faces:
+            for use in (use for loop in face.loops for use in loop if use.curve is not None):
+                turns[use.key] += face.outward * use.sign
+        return any(abs(total) > 1 for total in turns.values())
 
     def _edge_place(self, use: EdgeUse) -> str:
         points = points_on(use)
@@ -149,7 +165,7 @@ def _boundary_faces(faces: list[BrepFace]) -> tuple[BrepFace, ...]:
 
 
 def _unpaired(free: list[EdgeUse]) -> list[EdgeUse]:
-    """Edges of one face that do not lie on another one: both sides of a seam do."""
+    """Edges of a face that do not lie on another one of it: both sides of a seam do."""
     points = [points_on(use) for use in free]
     if not points:
         return []
