@@ -87,11 +87,9 @@ class CadModel:
     def _edge_problems(self) -> list[str]:
         uses = [use for face in self.faces for loop in face.loops for use in loop]
         counts = Counter(use.key for use in uses if use.curve is not None)
-        free = [
-            use
-            for face in self.faces
-            for use in _unpaired([u for loop in face.loops for u in loop if counts[u.key] == 1])
-        ]
+        alone = [[u for loop in f.loops for u in loop if counts[u.key] == 1] for f in self.faces]
+        free = _unpaired([use for group in alone for use in group])
+        loose = [use for group in alone for use in _unpaired(group)]
         crowded = {use.key: use for use in uses if counts[use.key] > 2}
         problems = []
         if free:
@@ -99,12 +97,17 @@ class CadModel:
                 f"{self.file}: the faces leave openings: {len(free)} edges belong to one face only,"
                 f" the first at {self._edge_place(free[0])}; close the surface in the CAD program"
             )
+        elif loose:
+            problems.append(
+                f"{self.file}: the faces touch without being joined, first at "
+                f"{self._edge_place(loose[0])}; export them as one solid"
+            )
         if crowded and len(self.kernel.solids) < 2:
             problems.append(
                 f"{self.file}: {len(crowded)} edges belong to more than two faces, the first at "
                 f"{self._edge_place(next(iter(crowded.values())))}; remove inner faces"
             )
-        if not (self.kernel.solids or free) and self._has_turned_faces():
+        if not (self.kernel.solids or loose) and self._has_turned_faces():
             problems.append(
                 f"{self.file}: the faces are turned to different sides; export them as a solid"
             )
@@ -165,7 +168,7 @@ def _boundary_faces(faces: list[BrepFace]) -> tuple[BrepFace, ...]:
 
 
 def _unpaired(free: list[EdgeUse]) -> list[EdgeUse]:
-    """Edges of a face that do not lie on another one of it: both sides of a seam do."""
+    """Edges that do not lie on another one; both sides of a seam do."""
     points = [points_on(use) for use in free]
     if not points:
         return []
