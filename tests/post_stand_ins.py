@@ -85,12 +85,12 @@ class PositionField:
 class FlowInBox:
     """u = 16 y (1 - y) z (1 - z) e_x in ``box``, pressure 3 - x; largest speed 1."""
 
-    def velocity_at(self, points):
+    def velocity_at(self, points, quadrature=None):
         _, y, z = points
         speed = 16 * y * (1 - y) * z * (1 - z)
         return np.stack([speed, 0 * speed, 0 * speed])
 
-    def pressure_at(self, points):
+    def pressure_at(self, points, quadrature=None):
         return 3 - points[0]
 
 

@@ -71,8 +71,8 @@ def test_volume_grid_reproduces_linear_fields():
     points, tetrahedra = tetrahedra_in_box(counts=(3, 2, 2))
 
     class Linear:
-        velocity_at = staticmethod(linear)
-        pressure_at = staticmethod(lambda x: 4 - x[0])
+        velocity_at = staticmethod(lambda x, quadrature: linear(x))
+        pressure_at = staticmethod(lambda x, quadrature: 4 - x[0])
 
     grid = volume_grid(points, tetrahedra, Linear())
     assert grid.volume == pytest.approx(2.0)

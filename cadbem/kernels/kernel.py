@@ -5,8 +5,12 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
+Index = NDArray[np.int64]
 Layout = tuple[tuple[int, ...], ...]
-Fill = Callable[..., None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,10 +21,9 @@ class Kernel:
     its two blocks.  ``single[i][j]`` is the entry that maps source component j to target row i
     under the single layer, ``double`` likewise (with the source's normal).
 
-    ``fill_block(targets, positions, normals, table)`` pairs every target (dim, T) with every
-    source (dim, N) into table (entries, T, N).  ``fill_rows(targets, starts, positions,
-    normals, table)`` pairs target k with the sources starts[k] ... starts[k + 1] - 1 into
-    table (entries, N).
+    ``fill(targets, starts, stops, columns, position, normal, table)`` pairs target t of
+    (dim, T) with the sources starts[t] ... stops[t] - 1 of ``position`` and ``normal``
+    (dim, N), and writes table (entries, ·) from column columns[t] on.
     """
 
     name: str
@@ -28,8 +31,7 @@ class Kernel:
     entries: int
     single: Layout
     double: Layout
-    fill_block: Fill
-    fill_rows: Fill
+    fill: Callable[..., None]
 
     @property
     def rows(self) -> int:
@@ -41,4 +43,20 @@ class Kernel:
         """Components of a density."""
         return len(self.single[0])
 
+    def block(self, targets: Array, position: Array, normal: Array, room: Array) -> Array:
+        """Every target (dim, T) with every source (dim, N): table (entries, T, N).
 
+        The table lies in ``room``, a flat array of at least entries T N numbers.
+        """
+        count, width = targets.shape[1], position.shape[1]
+        starts, stops = np.zeros(count, dtype=np.int64), np.full(count, width)
+        table = room[: self.entries * count * width].reshape(self.entries, -1)
+        self.fill(targets, starts, stops, width * np.arange(count), position, normal, table)
+        return table.reshape(self.entries, count, width)
+
+    def rows_of(self, targets: Array, starts: Index, position: Array, normal: Array) -> Array:
+        """Target t with the sources starts[t] ... starts[t + 1] - 1: table (entries, N)."""
+        table = np.empty((self.entries, position.shape[1]))
+        low = starts[:-1]
+        self.fill(targets, low, starts[1:], low, position, normal, table)
+        return table

@@ -15,84 +15,71 @@ from __future__ import annotations
 
 from math import sqrt
 
+import numpy as np
 from numba import njit
 
 from cadbem.kernels.kernel import Kernel
 
-
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _velocity_row(x, y, z, start, stop, position, normal, table):
-    for k in range(start, stop):
-        rx, ry, rz = position[0, k] - x, position[1, k] - y, position[2, k] - z
-        inverse = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
-        square = inverse * inverse
-        cube = square * inverse
-        flux = rx * normal[0, k] + ry * normal[1, k] + rz * normal[2, k]
-        stress = -6.0 * flux * cube * square
-        table[0, k] = inverse + rx * rx * cube
-        table[1, k] = rx * ry * cube
-        table[2, k] = rx * rz * cube
-        table[3, k] = inverse + ry * ry * cube
-        table[4, k] = ry * rz * cube
-        table[5, k] = inverse + rz * rz * cube
-        table[6, k] = rx * rx * stress
-        table[7, k] = rx * ry * stress
-        table[8, k] = rx * rz * stress
-        table[9, k] = ry * ry * stress
-        table[10, k] = ry * rz * stress
-        table[11, k] = rz * rz * stress
-
-
-@njit(cache=True, nogil=True, fastmath=True)
-def _velocity_block(targets, position, normal, table):
-    for t in range(targets.shape[1]):
-        _velocity_row(
-            targets[0, t], targets[1, t], targets[2, t],
-            0, position.shape[1], position, normal, table[:, t],
-        )  # fmt: skip
-
-
-@njit(cache=True, nogil=True, fastmath=True)
-def _velocity_rows(targets, starts, position, normal, table):
-    for t in range(targets.shape[1]):
-        _velocity_row(
-            targets[0, t], targets[1, t], targets[2, t],
-            starts[t], starts[t + 1], position, normal, table,
-        )  # fmt: skip
+TILE = 256  # sources at a time, so that what pairs share stays in the nearest cache
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _pressure_row(x, y, z, start, stop, position, normal, table):
-    for k in range(start, stop):
-        rx, ry, rz = position[0, k] - x, position[1, k] - y, position[2, k] - z
-        square = 1.0 / (rx * rx + ry * ry + rz * rz)
-        cube = square * sqrt(square)
-        flux = rx * normal[0, k] + ry * normal[1, k] + rz * normal[2, k]
-        stress = 12.0 * flux * cube * square
-        table[0, k] = 2.0 * rx * cube
-        table[1, k] = 2.0 * ry * cube
-        table[2, k] = 2.0 * rz * cube
-        table[3, k] = rx * stress - 4.0 * normal[0, k] * cube
-        table[4, k] = ry * stress - 4.0 * normal[1, k] * cube
-        table[5, k] = rz * stress - 4.0 * normal[2, k] * cube
-
-
-@njit(cache=True, nogil=True, fastmath=True)
-def _pressure_block(targets, position, normal, table):
+def _velocity(targets, starts, stops, columns, position, normal, table):
+    r, inverse, cube, stress = np.empty((3, TILE)), np.empty(TILE), np.empty(TILE), np.empty(TILE)
     for t in range(targets.shape[1]):
-        _pressure_row(
-            targets[0, t], targets[1, t], targets[2, t],
-            0, position.shape[1], position, normal, table[:, t],
-        )  # fmt: skip
+        x, y, z = targets[0, t], targets[1, t], targets[2, t]
+        for low in range(starts[t], stops[t], TILE):
+            high = min(low + TILE, stops[t])
+            px, py, pz = position[0, low:high], position[1, low:high], position[2, low:high]
+            nx, ny, nz = normal[0, low:high], normal[1, low:high], normal[2, low:high]
+            for k in range(high - low):
+                rx, ry, rz = px[k] - x, py[k] - y, pz[k] - z
+                i = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
+                r[0, k], r[1, k], r[2, k] = rx, ry, rz
+                inverse[k] = i
+                cube[k] = i * i * i
+                stress[k] = -6.0 * (rx * nx[k] + ry * ny[k] + rz * nz[k]) * cube[k] * i * i
+            first = columns[t] + low - starts[t]
+            last, entry = first + high - low, 0
+            for a in range(3):
+                for b in range(a, 3):
+                    delta = 1.0 if a == b else 0.0
+                    ra, rb = r[a], r[b]
+                    # plain loops over one entry each: the compiler makes vectors of them
+                    out = table[entry, first:last]
+                    for k in range(high - low):
+                        out[k] = delta * inverse[k] + ra[k] * rb[k] * cube[k]
+                    out = table[entry + 6, first:last]
+                    for k in range(high - low):
+                        out[k] = ra[k] * rb[k] * stress[k]
+                    entry += 1
 
 
-@njit(cache=True, nogil=True, fastmath=True)
-def _pressure_rows(targets, starts, position, normal, table):
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+def _pressure(targets, starts, stops, columns, position, normal, table):
+    r, cube, stress = np.empty((3, TILE)), np.empty(TILE), np.empty(TILE)
     for t in range(targets.shape[1]):
-        _pressure_row(
-            targets[0, t], targets[1, t], targets[2, t],
-            starts[t], starts[t + 1], position, normal, table,
-        )  # fmt: skip
+        x, y, z = targets[0, t], targets[1, t], targets[2, t]
+        for low in range(starts[t], stops[t], TILE):
+            high = min(low + TILE, stops[t])
+            px, py, pz = position[0, low:high], position[1, low:high], position[2, low:high]
+            nx, ny, nz = normal[0, low:high], normal[1, low:high], normal[2, low:high]
+            for k in range(high - low):
+                rx, ry, rz = px[k] - x, py[k] - y, pz[k] - z
+                i = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
+                r[0, k], r[1, k], r[2, k] = rx, ry, rz
+                cube[k] = i * i * i
+                stress[k] = 12.0 * (rx * nx[k] + ry * ny[k] + rz * nz[k]) * cube[k] * i * i
+            first = columns[t] + low - starts[t]
+            last = first + high - low
+            for a in range(3):
+                ra, na = r[a], normal[a, low:high]
+                out = table[a, first:last]
+                for k in range(high - low):
+                    out[k] = 2.0 * ra[k] * cube[k]
+                out = table[a + 3, first:last]
+                for k in range(high - low):
+                    out[k] = ra[k] * stress[k] - 4.0 * na[k] * cube[k]
 
 
 STOKES_3D = Kernel(
@@ -101,8 +88,7 @@ STOKES_3D = Kernel(
     entries=12,
     single=((0, 1, 2), (1, 3, 4), (2, 4, 5)),
     double=((6, 7, 8), (7, 9, 10), (8, 10, 11)),
-    fill_block=_velocity_block,
-    fill_rows=_velocity_rows,
+    fill=_velocity,
 )
 
 STOKES_PRESSURE_3D = Kernel(
@@ -111,6 +97,5 @@ STOKES_PRESSURE_3D = Kernel(
     entries=6,
     single=((0, 1, 2),),
     double=((3, 4, 5),),
-    fill_block=_pressure_block,
-    fill_rows=_pressure_rows,
+    fill=_pressure,
 )

@@ -103,10 +103,10 @@ class PotentialSink:
     ) -> None:
         for layout, density in zip(self.layouts, self.densities, strict=True):
             local = density[:, part_u, part_v].reshape(len(density), -1)
-            values = basis @ local.T
+            first = min(map(min, layout))
+            values = table[first : max(map(max, layout)) + 1] @ (basis @ local.T)
             for i, row in enumerate(layout):
-                for j, entry in enumerate(row):
-                    self.result[i, rows] += table[entry] @ values[:, j]
+                self.result[i, rows] += sum(values[e - first, :, j] for j, e in enumerate(row))
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         p, q = values.shape[2], values.shape[3]
@@ -165,9 +165,9 @@ def _far(
 ) -> None:
     count_u, count_v = panels.shape
     per_panel = nodes.weight.shape[2]
-    far = np.ones((targets.count, count_u, count_v))
-    far.reshape(targets.count, -1)[close_target, close_panel] = 0.0
-    table = np.empty((kernel.entries, TARGET_BLOCK, STRIP * per_panel))
+    far = np.ones((targets.count, count_u, count_v), dtype=bool)
+    far.reshape(targets.count, -1)[close_target, close_panel] = False
+    room = np.empty(kernel.entries * TARGET_BLOCK * STRIP * per_panel)
     for a in range(count_u):
         for start in range(0, count_v, STRIP):
             strip = slice(start, min(start + STRIP, count_v))
@@ -179,12 +179,12 @@ def _far(
                 mask = far[rows, a, strip]
                 if not mask.any():
                     continue
-                part = table[:, : rows.stop - low, : width * per_panel]
-                kernel.fill_block(targets.position[:, rows], position, normal, part)
-                if not mask.all():
-                    blocks = part.reshape(kernel.entries, -1, width, per_panel)
-                    np.copyto(blocks, 0.0, where=(mask == 0.0)[None, :, :, None])
-                sink.block(rows, part, basis, part_u, part_v)
+                here = np.ascontiguousarray(targets.position[:, rows])
+                table = kernel.block(here, position, normal, room)
+                blocks = table.reshape(kernel.entries, -1, width, per_panel)
+                row, panel = np.nonzero(~mask)
+                blocks[:, row, panel] = 0.0
+                sink.block(rows, table, basis, part_u, part_v)
 
 
 def _flat(values: Array) -> Array:
@@ -227,13 +227,10 @@ def _middle(
     for panel, rows in zip(chosen, np.split(close_target[order], starts[1:]), strict=True):
         a, b = divmod(int(panel), panels.shape[1])
         basis, part_u, part_v = nodes.basis(panels, a, slice(b, b + 1))
-        table = np.empty((kernel.entries, len(rows), len(basis)))
-        kernel.fill_block(
-            np.ascontiguousarray(targets.position[:, rows]),
-            _flat(nodes.position[:, a, b]),
-            _flat(nodes.normal[:, a, b]),
-            table,
-        )
+        here = np.ascontiguousarray(targets.position[:, rows])
+        position, normal = _flat(nodes.position[:, a, b]), _flat(nodes.normal[:, a, b])
+        room = np.empty(kernel.entries * len(rows) * len(basis))
+        table = kernel.block(here, position, normal, room)
         sink.block(rows, table, basis, part_u, part_v)
 
 
@@ -250,7 +247,7 @@ def _near(
     p, q = panels.surface.degrees
     dim, capacity = targets.position.shape[0], NODE_CAPACITY
     position, normal = np.empty((dim, capacity)), np.empty((dim, capacity))
-    weight, table = np.empty(capacity), np.empty((kernel.entries, capacity))
+    weight = np.empty(capacity)
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     u, v, distance = map(np.ascontiguousarray, closest)
@@ -262,9 +259,8 @@ def _near(
         )  # fmt: skip
         rows = close_target[done : done + count]
         part = starts[: count + 1]
-        kernel.fill_rows(
-            np.ascontiguousarray(targets.position[:, rows]), part, position, normal, table
-        )
+        here = np.ascontiguousarray(targets.position[:, rows])
+        table = kernel.rows_of(here, part, position[:, : part[-1]], normal[:, : part[-1]])
         moments = np.empty((count, kernel.entries, p + 1, q + 1))
         near.moments(part, table, weight, bu, bv, moments)
         _add_moments(panels, rows, close_panel[done : done + count], moments, sink)

@@ -19,7 +19,7 @@ from cadbem.quadrature.options import Quadrature
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
-TARGET_CHUNK = 512  # targets a task
+TARGET_CHUNK = 2048  # targets a task
 
 
 @dataclass(frozen=True, eq=False)

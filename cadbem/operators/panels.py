@@ -150,10 +150,9 @@ class Nodes:
         for k, f in enumerate(first_v - first_v[0]):
             across[k, :, f : f + q + 1] = self.functions[1][b][k]
         weight = self.weight[a, b].reshape(len(first_v), m, m)
+        along = weight[..., None] * self.functions[0][a][:, None]  # (panel, k, l, i)
         control = panels.surface.weights[part_u, part_v]
-        table = np.einsum(
-            "bkl,ki,blj,ij->bklij", weight, self.functions[0][a], across, control, optimize=True
-        )
+        table = along[..., None] * across[:, None, :, None] * control
         return table.reshape(len(first_v) * m * m, -1), part_u, part_v
 
 

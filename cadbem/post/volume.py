@@ -8,15 +8,18 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.post.display import load_pyvista
+from cadbem.quadrature import Quadrature
 from cadbem.spline.basis import Array
+
+SEEN = Quadrature(1e-5)  # finer than any picture shows
 
 
 class Flow(Protocol):
     """A flow that can be asked at points (3, M) inside and on its boundary."""
 
-    def velocity_at(self, points: Array) -> Array: ...
+    def velocity_at(self, points: Array, quadrature: Quadrature) -> Array: ...
 
-    def pressure_at(self, points: Array) -> Array: ...
+    def pressure_at(self, points: Array, quadrature: Quadrature) -> Array: ...
 
 
 def volume_grid(points: Array, tetrahedra: NDArray[np.int64], solution: Flow) -> Any:
@@ -27,6 +30,6 @@ def volume_grid(points: Array, tetrahedra: NDArray[np.int64], solution: Flow) ->
     """
     pyvista = load_pyvista()
     grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: tetrahedra.T}, points.T.copy())
-    grid.point_data["velocity"] = solution.velocity_at(points).T
-    grid.point_data["pressure"] = solution.pressure_at(points)
+    grid.point_data["velocity"] = solution.velocity_at(points, SEEN).T
+    grid.point_data["pressure"] = solution.pressure_at(points, SEEN)
     return grid

@@ -79,10 +79,10 @@ Condition = NoSlip | Velocity | Inflow | Pressure | Traction
 
 @dataclass(frozen=True, eq=False)
 class Split:
-    """Known data and mixing matrices of one patch (see the top of this file)."""
+    """Known data (None: zero) and mixing matrices of one patch (see the top of this file)."""
 
-    velocity: Given
-    traction: Given
+    velocity: Given | None
+    traction: Given | None
     velocity_mixing: Array
     traction_mixing: Array
 
@@ -91,23 +91,19 @@ def split(condition: Condition, opening: Port | None) -> Split:
     """What a condition means on a patch; ``opening`` for those that need a flat one."""
     match condition:
         case NoSlip():
-            return Split(_zero, _zero, Nothing, All)
+            return Split(None, None, Nothing, All)
         case Velocity(value):
-            return Split(_given(value), _zero, Nothing, All)
+            return Split(_given(value), None, Nothing, All)
         case Traction(value):
-            return Split(_zero, _given(value), All, Nothing)
+            return Split(None, _given(value), All, Nothing)
         case Inflow():
             assert opening is not None
-            return Split(_inflow(condition, opening), _zero, Nothing, All)
+            return Split(_inflow(condition, opening), None, Nothing, All)
         case Pressure(value):
             assert opening is not None
             normal = opening.normal[:, None]
             along = normal @ normal.T
-            return Split(_zero, _given(-value * opening.normal), along, All - along)
-
-
-def _zero(points: SurfacePoints) -> Array:
-    return np.zeros_like(points.position)
+            return Split(None, _given(-value * opening.normal), along, All - along)
 
 
 def _given(value: Vector | Callable[[Array], Array]) -> Given:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -14,6 +15,7 @@ from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import potentials
 from cadbem.operators.locate import locate
+from cadbem.quadrature import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
 
@@ -36,24 +38,33 @@ class StokesSolution:
         """Unknowns and collocation points."""
         return self.velocity.space
 
-    def velocity_at(self, points: ArrayLike) -> Array:
+    def velocity_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
         """Velocity (3, M) at points (3, M) in the fluid or on its boundary.
 
-        u = -(1/8πμ) ∫ G f dS + (1/8π) ∫ (T·n) u dS inside; zero outside.
+        u = -(1/8πμ) ∫ G f dS + (1/8π) ∫ (T·n) u dS inside; zero outside.  The ``quadrature``
+        is the problem's if none is given.
         """
         factor = -1 / (EIGHT_PI * self.problem.viscosity), 1 / EIGHT_PI
-        return self._at(STOKES_3D, points, factor, self.velocity.on_patch)
+        quadrature = quadrature or self.problem.quadrature
+        return self._at(STOKES_3D, points, quadrature, factor, self.velocity.on_patch)
 
-    def pressure_at(self, points: ArrayLike) -> Array:
+    def pressure_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
         """Pressure (M,) at points (3, M) in the fluid or on its boundary.
 
         p = (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS inside (see ``stokes_3d``).
         """
         factor = 1 / EIGHT_PI, self.problem.viscosity / EIGHT_PI
-        values = self._at(STOKES_PRESSURE_3D, points, factor, self._pressure_row)
-        return values[0]
+        quadrature = quadrature or self.problem.quadrature
+        return self._at(STOKES_PRESSURE_3D, points, quadrature, factor, self._pressure_row)[0]
 
-    def _at(self, kernel: Kernel, points: ArrayLike, factor, on_patch) -> Array:
+    def _at(
+        self,
+        kernel: Kernel,
+        points: ArrayLike,
+        quadrature: Quadrature,
+        factor: tuple[float, float],
+        on_patch: Callable[..., Array],
+    ) -> Array:
         position = np.ascontiguousarray(points, dtype=float)
         owner, parameters = locate(self.space.boundary, position)
         inside = owner < 0
@@ -62,7 +73,7 @@ class StokesSolution:
             kernel,
             self.space,
             Targets.free(np.ascontiguousarray(position[:, inside])),
-            self.problem.quadrature,
+            quadrature,
             factor[0] * self.traction.coefficients,
             factor[1] * self.velocity.coefficients,
         )

@@ -103,8 +103,10 @@ class StokesProblem:
         velocity, traction = np.zeros(shape), np.zeros(shape)
         for i, s in enumerate(splits):
             part = self.space.functions(i)
-            velocity[:, part] = self.space.project(i, s.velocity)
-            traction[:, part] = self.space.project(i, s.traction)
+            if s.velocity is not None:
+                velocity[:, part] = self.space.project(i, s.velocity)
+            if s.traction is not None:
+                traction[:, part] = self.space.project(i, s.traction)
         for name, condition in self.conditions.items():
             if isinstance(condition, Inflow):
                 opening = self.openings[name]

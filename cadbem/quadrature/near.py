@@ -10,6 +10,7 @@ order for a tolerance: a range of length 2a needs ln(1/tolerance) / (2 asinh(π 
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import asinh, ceil, cosh, log, pi, sinh, sqrt
 
 import numpy as np
@@ -22,6 +23,7 @@ TAPERED = 1.5  # share of digits that a panel asks for whose metric varies much
 CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counter-clockwise
 
 
+@lru_cache(maxsize=1)
 def gauss_table():
     """Gauss-Legendre nodes and weights on [0, 1] of all orders to ``MAX_ORDER``: (2, M+1, M)."""
     table = np.zeros((2, MAX_ORDER + 1, MAX_ORDER))
