@@ -1,7 +1,7 @@
 """Boundary conditions of Stokes flow, as values.
 
-A condition splits the velocity u and traction f on a patch into known parts and an unknown q
-with three components: u = u_known + U q, f = f_known + F q, where U and F are 3 × 3.
+A condition splits the velocity and the traction on a patch into known parts and an unknown with
+three components (see ``mixed``).
 """
 
 from __future__ import annotations
@@ -12,12 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.errors import ConditionError
-from cadbem.points import SurfacePoints
+from cadbem.problems.mixed import Given, Split
 from cadbem.problems.profiles import Port
 from cadbem.spline.basis import Array
 
 Vector = Sequence[float] | Array
-Given = Callable[[SurfacePoints], Array]
 Nothing = np.zeros((3, 3))
 All = np.eye(3)
 
@@ -75,16 +74,6 @@ class Traction:
 
 
 Condition = NoSlip | Velocity | Inflow | Pressure | Traction
-
-
-@dataclass(frozen=True, eq=False)
-class Split:
-    """Known data (None: zero) and mixing matrices of one patch (see the top of this file)."""
-
-    velocity: Given | None
-    traction: Given | None
-    velocity_mixing: Array
-    traction_mixing: Array
 
 
 def split(condition: Condition, opening: Port | None) -> Split:

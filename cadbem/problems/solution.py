@@ -9,12 +9,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cadbem.errors import SelectionError
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
-from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import potentials
-from cadbem.operators.locate import locate
+from cadbem.problems.mixed import patches_named, represent
 from cadbem.quadrature import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -45,7 +42,6 @@ class StokesSolution:
         is the problem's if none is given.
         """
         factor = -1 / (EIGHT_PI * self.problem.viscosity), 1 / EIGHT_PI
-        quadrature = quadrature or self.problem.quadrature
         return self._at(STOKES_3D, points, quadrature, factor, self.velocity.on_patch)
 
     def pressure_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
@@ -54,33 +50,20 @@ class StokesSolution:
         p = (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS inside (see ``stokes_3d``).
         """
         factor = 1 / EIGHT_PI, self.problem.viscosity / EIGHT_PI
-        quadrature = quadrature or self.problem.quadrature
         return self._at(STOKES_PRESSURE_3D, points, quadrature, factor, self._pressure_row)[0]
 
     def _at(
         self,
         kernel: Kernel,
         points: ArrayLike,
-        quadrature: Quadrature,
+        quadrature: Quadrature | None,
         factor: tuple[float, float],
         on_patch: Callable[..., Array],
     ) -> Array:
-        position = np.ascontiguousarray(points, dtype=float)
-        owner, parameters = locate(self.space.boundary, position)
-        inside = owner < 0
-        result = np.empty((kernel.rows, position.shape[1]))
-        result[:, inside] = potentials(
-            kernel,
-            self.space,
-            Targets.free(np.ascontiguousarray(position[:, inside])),
-            quadrature,
-            factor[0] * self.traction.coefficients,
-            factor[1] * self.velocity.coefficients,
-        )
-        for patch in np.unique(owner[~inside]):
-            here = owner == patch
-            result[:, here] = on_patch(patch, *parameters[:, here])
-        return result
+        single = factor[0] * self.traction.coefficients
+        double = factor[1] * self.velocity.coefficients
+        quadrature = quadrature or self.problem.quadrature
+        return represent(kernel, self.space, points, quadrature, single, double, on_patch)
 
     def _pressure_row(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
         return self.surface_pressure(patch, u, v)[None]
@@ -97,20 +80,13 @@ class StokesSolution:
         traction = self.traction.on_patch(patch, u, v)
         return traction - (traction * normal).sum(axis=0) * normal
 
-    def _patches(self, name: str) -> list[int]:
-        chosen = [i for i, p in enumerate(self.space.boundary.patches) if p.name == name]
-        if not chosen:
-            there = ", ".join(f"'{n}'" for n in self.space.boundary.names)
-            raise SelectionError(f"no face is named '{name}'; the names are {there}")
-        return chosen
-
     def _flux(self, patch: int) -> float:
         values, points, weights = self.velocity.quadrature(patch)
         return float((values * points.normal).sum(axis=0) @ weights)
 
     def flow_rate(self, name: str) -> float:
         """Volume per time that enters the fluid through the faces of a name."""
-        return sum(self._flux(i) for i in self._patches(name))
+        return sum(self._flux(i) for i in patches_named(self.space.boundary, name))
 
     def net_flux(self) -> float:
         """∮ u·n dS, which vanishes for the exact flow; relative to what enters."""
@@ -119,7 +95,8 @@ class StokesSolution:
 
     def force(self, name: str) -> Array:
         """Force (3,) of the fluid on the faces of a name, ∫ f dS."""
-        return np.sum([self.traction.integral(i) for i in self._patches(name)], axis=0)
+        patches = patches_named(self.space.boundary, name)
+        return np.sum([self.traction.integral(i) for i in patches], axis=0)
 
     def net_force(self) -> float:
         """|∮ f dS|, which vanishes for the exact flow; relative to ∮ |f| dS."""
@@ -132,7 +109,7 @@ class StokesSolution:
     def mean_pressure(self, name: str) -> float:
         """Mean of the pressure over the faces of a name."""
         integral = area = 0.0
-        for i in self._patches(name):
+        for i in patches_named(self.space.boundary, name):
             parameters, _, weights = self.velocity.nodes(i)
             integral += float(self.surface_pressure(i, *parameters) @ weights)
             area += float(weights.sum())

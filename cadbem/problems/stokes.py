@@ -12,17 +12,16 @@ from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes_3d import STOKES_3D
 from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
-from cadbem.operators.solve import factorise
 from cadbem.problems.conditions import (
     Condition,
     Inflow,
     NoSlip,
     Pressure,
-    Split,
     Traction,
     Velocity,
     split,
 )
+from cadbem.problems.mixed import MixedSystem, check_names, patches_named
 from cadbem.problems.profiles import Port, port
 from cadbem.problems.solution import StokesSolution
 from cadbem.quadrature.options import Quadrature
@@ -30,6 +29,7 @@ from cadbem.space import Field, Space, discontinuous_space
 from cadbem.spline.basis import Array
 
 FREE_TERM = 4 * np.pi  # of a smooth boundary point
+KINDS = (NoSlip, Velocity, Inflow, Pressure, Traction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +50,7 @@ class StokesProblem:
     def __post_init__(self) -> None:
         if not self.viscosity > 0:
             raise ConditionError(f"viscosity is {self.viscosity}; it must be positive")
-        _check_names(self.boundary, self.conditions)
+        check_names(self.boundary, self.conditions, KINDS)
         _check_data(self.boundary, self.conditions)
 
     @cached_property
@@ -82,61 +82,23 @@ class StokesProblem:
             split(self.conditions[p.name], self.openings.get(p.name))
             for p in self.boundary.patches
         ]
-        velocity, traction = self._known(splits)
-        right = FREE_TERM * self.space.values(velocity)
-        right -= self.layers.apply(-traction / self.viscosity, velocity)
-        unknown = factorise(self.layers, FREE_TERM, *self._mixings(splits)).solve(right)
-        for i, s in enumerate(splits):
-            part = self.space.functions(i)
-            velocity[:, part] += s.velocity_mixing @ unknown[:, part]
-            traction[:, part] += s.traction_mixing @ unknown[:, part]
-        fields = Field(self.space, velocity), Field(self.space, traction)
-        return StokesSolution(self, *fields)
+        system = MixedSystem(self.layers, FREE_TERM, -1 / self.viscosity, splits)
+        known = self._known(system)
+        velocity, traction = system.complete(*known, system.unknowns(*known))
+        return StokesSolution(self, Field(self.space, velocity), Field(self.space, traction))
 
-    def _mixings(self, splits: list[Split]) -> tuple[list[Array], list[Array]]:
-        single = [-s.traction_mixing / self.viscosity for s in splits]
-        return single, [s.velocity_mixing for s in splits]
-
-    def _known(self, splits: list[Split]) -> tuple[Array, Array]:
+    def _known(self, system: MixedSystem) -> tuple[Array, Array]:
         """Coefficients of the known velocity and traction, inflows scaled to their flow rate."""
-        shape = (3, self.space.count)
-        velocity, traction = np.zeros(shape), np.zeros(shape)
-        for i, s in enumerate(splits):
-            part = self.space.functions(i)
-            if s.velocity is not None:
-                velocity[:, part] = self.space.project(i, s.velocity)
-            if s.traction is not None:
-                traction[:, part] = self.space.project(i, s.traction)
+        velocity, traction = system.known()
         for name, condition in self.conditions.items():
             if isinstance(condition, Inflow):
                 opening = self.openings[name]
-                parts = [i for i, p in enumerate(self.boundary.patches) if p.name == name]
+                parts = patches_named(self.boundary, name)
                 flow = sum(Field(self.space, velocity).integral(i) for i in parts)
                 scale = condition.mean(opening) * opening.area / (flow @ opening.normal)
                 for i in parts:
                     velocity[:, self.space.functions(i)] *= scale
         return velocity, traction
-
-
-def _check_names(boundary: Boundary, conditions: Mapping[str, Condition]) -> None:
-    for index, patch in enumerate(boundary.patches):
-        if not patch.name:
-            raise ConditionError(
-                f"{boundary.label(index)} has no name; give it one with boundary.named(...)"
-            )
-    known = (NoSlip, Velocity, Inflow, Pressure, Traction)
-    for name, condition in conditions.items():
-        if not isinstance(condition, known):
-            kinds = ", ".join(k.__name__ + "(...)" for k in known)
-            raise ConditionError(f"'{name}' has {condition!r} for a condition; give one of {kinds}")
-        if name not in boundary.names:
-            there = ", ".join(f"'{n}'" for n in boundary.names)
-            raise ConditionError(f"a condition is given for '{name}'; the faces' names are {there}")
-    for index, patch in enumerate(boundary.patches):
-        if patch.name not in conditions:
-            raise ConditionError(
-                f"{boundary.label(index)} has no condition; give one for '{patch.name}'"
-            )
 
 
 def _check_data(boundary: Boundary, conditions: Mapping[str, Condition]) -> None:

@@ -1,0 +1,146 @@
+"""Mixed boundary value problems, whatever the equation: what is given where, what is sought.
+
+On each patch a *value* u (velocity, temperature) and a *flux* f (traction, heat flux) are split
+into known parts and an unknown q: u = u_known + U q, f = f_known + F q.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cadbem.boundary import Boundary
+from cadbem.errors import ConditionError, SelectionError
+from cadbem.kernels.kernel import Kernel
+from cadbem.operators.interactions import Targets
+from cadbem.operators.layers import Layers, potentials
+from cadbem.operators.locate import locate
+from cadbem.operators.solve import DenseFactors, factorise
+from cadbem.points import SurfacePoints
+from cadbem.quadrature.options import Quadrature
+from cadbem.space import Space
+from cadbem.spline.basis import Array
+
+Given = Callable[[SurfacePoints], Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Split:
+    """Known data (None: zero) and mixing matrices U and F (components, unknowns) of a patch."""
+
+    value: Given | None
+    flux: Given | None
+    value_mixing: Array
+    flux_mixing: Array
+
+
+@dataclass(frozen=True, eq=False)
+class MixedSystem:
+    """free_term u = flux_factor S f + D u + source at the collocation points of ``layers``.
+
+    S and D are the layers without factors; ``splits`` one a patch.
+    """
+
+    layers: Layers
+    free_term: float
+    flux_factor: float
+    splits: Sequence[Split]
+
+    @property
+    def space(self) -> Space:
+        """Unknowns and collocation points."""
+        return self.layers.space
+
+    def known(self) -> tuple[Array, Array]:
+        """Coefficients (components, F) of the known value and flux, by projection."""
+        shape = (self.layers.kernel.components, self.space.count)
+        value, flux = np.zeros(shape), np.zeros(shape)
+        for i, s in enumerate(self.splits):
+            for given, into in ((s.value, value), (s.flux, flux)):
+                if given is not None:
+                    into[:, self.space.functions(i)] = self.space.project(i, given)
+        return value, flux
+
+    @cached_property
+    def factors(self) -> DenseFactors:
+        """Factors of the matrix that acts on the unknowns."""
+        single = [self.flux_factor * s.flux_mixing for s in self.splits]
+        double = [s.value_mixing for s in self.splits]
+        return factorise(self.layers, self.free_term, single, double)
+
+    def unknowns(self, value: Array, flux: Array, source: Array | float = 0.0) -> Array:
+        """Unknowns (k, F) that go with known coefficients and a ``source`` (rows, T)."""
+        right = self.free_term * self.space.values(value) - source
+        right -= self.layers.apply(self.flux_factor * flux, value)
+        return self.factors.solve(right)
+
+    def complete(self, value: Array, flux: Array, unknowns: Array) -> tuple[Array, Array]:
+        """Coefficients of the whole value and flux from known parts and unknowns."""
+        value, flux = value.copy(), flux.copy()
+        for i, s in enumerate(self.splits):
+            part = self.space.functions(i)
+            value[:, part] += s.value_mixing @ unknowns[:, part]
+            flux[:, part] += s.flux_mixing @ unknowns[:, part]
+        return value, flux
+
+
+def represent(
+    kernel: Kernel,
+    space: Space,
+    points: ArrayLike,
+    quadrature: Quadrature,
+    single: Array,
+    double: Array,
+    on_patch: Callable[..., Array],
+) -> Array:
+    """S single + D double at points (dim, M) off the boundary, ``on_patch`` at those on it.
+
+    ``single`` and ``double`` (components, F) are coefficients, with the equation's factors;
+    ``on_patch(patch, *parameters)`` gives (rows, ·).  Result (rows, M).
+    """
+    position = np.ascontiguousarray(points, dtype=float)
+    owner, parameters = locate(space.boundary, position)
+    inside = owner < 0
+    result = np.empty((kernel.rows, position.shape[1]))
+    targets = Targets.free(np.ascontiguousarray(position[:, inside]))
+    result[:, inside] = potentials(kernel, space, targets, quadrature, single, double)
+    for patch in np.unique(owner[~inside]):
+        here = owner == patch
+        result[:, here] = on_patch(patch, *parameters[:, here])
+    return result
+
+
+def patches_named(boundary: Boundary, name: str) -> list[int]:
+    """Indices of the patches of a name; ``SelectionError`` if there are none."""
+    chosen = [i for i, p in enumerate(boundary.patches) if p.name == name]
+    if not chosen:
+        there = ", ".join(f"'{n}'" for n in boundary.names)
+        raise SelectionError(f"no face is named '{name}'; the names are {there}")
+    return chosen
+
+
+def check_names(
+    boundary: Boundary, conditions: Mapping[str, object], kinds: tuple[type, ...]
+) -> None:
+    """Refuse, by ``ConditionError``, conditions that do not match the faces one to one."""
+    for index, patch in enumerate(boundary.patches):
+        if not patch.name:
+            raise ConditionError(
+                f"{boundary.label(index)} has no name; give it one with boundary.named(...)"
+            )
+    for name, condition in conditions.items():
+        if not isinstance(condition, kinds):
+            known = ", ".join(k.__name__ + "(...)" for k in kinds)
+            raise ConditionError(f"'{name}' has {condition!r} for a condition; give one of {known}")
+        if name not in boundary.names:
+            there = ", ".join(f"'{n}'" for n in boundary.names)
+            raise ConditionError(f"a condition is given for '{name}'; the faces' names are {there}")
+    for index, patch in enumerate(boundary.patches):
+        if patch.name not in conditions:
+            raise ConditionError(
+                f"{boundary.label(index)} has no condition; give one for '{patch.name}'"
+            )
