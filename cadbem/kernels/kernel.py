@@ -24,6 +24,10 @@ class Kernel:
     ``fill(targets, starts, stops, columns, position, normal, table)`` pairs target t of
     (dim, T) with the sources starts[t] ... stops[t] - 1 of ``position`` and ``normal``
     (dim, N), and writes table (entries, ·) from column columns[t] on.
+
+    ``free_term`` is what the double layer makes of a constant density at a smooth point of a
+    closed boundary, normals into the domain; inside it is twice that, outside zero.  Kernels of
+    derivatives (pressure, gradient) make nothing of a constant.
     """
 
     name: str
@@ -32,6 +36,7 @@ class Kernel:
     single: Layout
     double: Layout
     fill: Callable[..., None]
+    free_term: float = 0.0
 
     @property
     def rows(self) -> int:

@@ -13,7 +13,7 @@ p = (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS with
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 
 import numpy as np
 from numba import njit
@@ -89,6 +89,7 @@ STOKES_3D = Kernel(
     single=((0, 1, 2), (1, 3, 4), (2, 4, 5)),
     double=((6, 7, 8), (7, 9, 10), (8, 10, 11)),
     fill=_velocity,
+    free_term=4 * pi,
 )
 
 STOKES_PRESSURE_3D = Kernel(
