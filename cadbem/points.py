@@ -38,16 +38,29 @@ def surface_points(spline: Nurbs, *parameters: ArrayLike) -> SurfacePoints:
     """
     derivatives = spline.derivatives(1, *parameters)
     flat = {key: value.reshape(spline.dimension, -1) for key, value in derivatives.items()}
-    if len(spline.degrees) == 1:
-        tangents = flat[(1,)][None]
-        normal = np.array([tangents[0, 1], -tangents[0, 0]])
-    else:
-        tangents = np.stack([flat[(1, 0)], flat[(0, 1)]])
-        normal = np.cross(tangents[0], tangents[1], axis=0)
+    first = sorted((key for key in flat if sum(key) == 1), reverse=True)
+    tangents = np.stack([flat[key] for key in first])
+    normal = area_vector(*tangents)
     jacobian = np.linalg.norm(normal, axis=0)
     position = flat[(0,) * len(spline.degrees)]
     unit = normal / np.where(jacobian > 0, jacobian, 1.0)
     return SurfacePoints(position, unit, jacobian, tangents)
+
+
+def area_vector(*tangents: Array) -> Array:
+    """Normal as long as the Jacobian: x_u × x_v, or the right of a plane curve's tangent."""
+    if len(tangents) == 1:
+        return np.stack([tangents[0][1], -tangents[0][0]])
+    return np.cross(tangents[0], tangents[1], axis=0)
+
+
+def dual_tangents(*tangents: Array) -> list[Array]:
+    """Vectors in the tangent plane with products 1 and 0 with the tangents."""
+    if len(tangents) == 1:
+        return [tangents[0] / (tangents[0] ** 2).sum(axis=0)]
+    normal = np.cross(tangents[0], tangents[1], axis=0)
+    normal /= (normal**2).sum(axis=0)
+    return [np.cross(tangents[1], normal, axis=0), np.cross(normal, tangents[0], axis=0)]
 
 
 def join(parts: list[SurfacePoints]) -> SurfacePoints:

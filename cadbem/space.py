@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import block_diag, cho_factor, cho_solve
 
 from cadbem.boundary import Boundary
-from cadbem.points import SurfacePoints, join, surface_points
+from cadbem.points import SurfacePoints, area_vector, dual_tangents, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.spline.basis import Array, basis_matrix, greville
 from cadbem.spline.nurbs import Nurbs
@@ -107,13 +107,11 @@ class Field:
         control = np.moveaxis(self.patch_coefficients(patch), 0, -1)
         x = surface.derivatives(1, *parameters)
         f = replace(surface, points=control).derivatives(1, *parameters)
-        x_u, x_v, f_u, f_v = x[1, 0], x[0, 1], f[1, 0], f[0, 1]
-        normal = np.cross(x_u, x_v, axis=0)
-        area = np.linalg.norm(normal, axis=0)
-        normal = normal / area
-        # dual tangents: x_v × n / J and n × x_u / J
-        dual_u, dual_v = np.cross(x_v, normal, axis=0), np.cross(normal, x_u, axis=0)
-        return normal, ((f_u * dual_u).sum(axis=0) + (f_v * dual_v).sum(axis=0)) / area
+        first = sorted((key for key in x if sum(key) == 1), reverse=True)
+        tangents = [x[key] for key in first]
+        normal, duals = area_vector(*tangents), dual_tangents(*tangents)
+        rates = [(f[key] * dual).sum(axis=0) for key, dual in zip(first, duals, strict=True)]
+        return normal / np.linalg.norm(normal, axis=0), np.sum(rates, axis=0)
 
     def nodes(self, patch: int) -> tuple[list[Array], SurfacePoints, Array]:
         """Parameters, points and weights of a Gauss rule that suits the field's degree."""

@@ -35,7 +35,7 @@ class Targets:
     """Points (dim, T) where potentials are wanted.
 
     A point that lies on the boundary names its patch in ``owner`` (T,) and its ``parameters``
-    (2, T) there; the owner of any other point is -1.
+    (dim - 1, T) there; the owner of any other point is -1.
     """
 
     position: Array
@@ -45,8 +45,8 @@ class Targets:
     @classmethod
     def free(cls, position: Array) -> Targets:
         """Points off the boundary."""
-        count = position.shape[1]
-        return cls(position, np.full(count, -1), np.zeros((2, count)))
+        dim, count = position.shape
+        return cls(position, np.full(count, -1), np.zeros((dim - 1, count)))
 
     @property
     def count(self) -> int:
@@ -200,15 +200,15 @@ def _closest(
     closest_on_panels(
         targets.position, close_target, close_panel, panels.flat_nets, u, v, samples, result
     )
-    a, b = np.divmod(close_panel, panels.shape[1])
+    grid = np.divmod(close_panel, panels.shape[1])
     own = targets.owner[close_target] == patch
     pairs = np.arange(len(own))
-    for direction, panel in enumerate((a, b)):
-        inside = panels.locate(direction, targets.parameters[direction, close_target])
-        own &= inside[pairs, panel]
-    for direction, panel in enumerate((a, b)):
-        parameter = targets.parameters[direction, close_target[own]]
-        result[direction, own] = panels.local(direction, parameter, panel[own])
+    for direction, parameter in enumerate(targets.parameters):
+        inside = panels.locate(direction, parameter[close_target])
+        own &= inside[pairs, grid[direction]]
+    for direction, parameter in enumerate(targets.parameters):
+        local = panels.local(direction, parameter[close_target[own]], grid[direction][own])
+        result[direction, own] = local
     result[2, own] = 0.0
     return result
 

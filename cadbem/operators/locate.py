@@ -14,9 +14,9 @@ ON_BOUNDARY = 1e-9  # distance over panel length below which a point counts as o
 
 
 def locate(boundary: Boundary, position: Array) -> tuple[NDArray[np.int64], Array]:
-    """Patch (M,) on which each point (3, M) lies, or -1, and its parameters (2, M) there."""
+    """Patch (M,) on which each point (dim, M) lies, or -1, and its parameters (dim - 1, M)."""
     owner = np.full(position.shape[1], -1)
-    parameters = np.zeros((2, position.shape[1]))
+    parameters = np.zeros((len(position) - 1, position.shape[1]))
     for index, patch in enumerate(boundary.patches):
         panels = split_patch(patch.surface)
         centres, radii = panels.sphere
@@ -27,7 +27,7 @@ def locate(boundary: Boundary, position: Array) -> tuple[NDArray[np.int64], Arra
         closest_on_panels(position, target, panel, panels.flat_nets, u, v, samples, closest)
         on = closest[2] < ON_BOUNDARY * panels.lengths[panel]
         cells = np.divmod(panel[on], panels.shape[1])
-        for direction, cell in enumerate(cells):
+        for direction, cell in enumerate(cells[: len(parameters)]):
             breaks = panels.breaks[direction]
             step = breaks[cell + 1] - breaks[cell]
             parameters[direction, target[on]] = breaks[cell] + closest[direction, on] * step

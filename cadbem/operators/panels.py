@@ -8,6 +8,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numpy.typing import NDArray
 
+from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
@@ -21,6 +22,7 @@ SAME_PARAMETER = 1e-10  # share of a panel below which parameters count as equal
 class Panels:
     """A grid of panels over a patch, at least one an element.
 
+    A curve is a patch of degree 0 with one panel across, over [0, 1].
     ``breaks`` in each parameter; ``nets`` (P_u, P_v, p + 1, q + 1, dim + 1), homogeneous Bézier
     points; ``extraction`` one (P, p + 1, p + 1) array a parameter, the Bernstein coefficients
     (second axis) of the functions that live on a panel (third axis), the first of which has the
@@ -46,11 +48,16 @@ class Panels:
     @cached_property
     def samples(self) -> tuple[Array, Array, Array]:
         """Parameters u, v (S,) and positions (E, S, dim) of a coarse grid on each panel."""
-        u, v = (g.ravel() for g in np.meshgrid(*[np.linspace(0, 1, 5)] * 2, indexing="ij"))
+        axes = [np.linspace(0, 1, n) for n in self._sample_counts]
+        u, v = (g.ravel() for g in np.meshgrid(*axes, indexing="ij"))
         p, q = self.surface.degrees
         table = bernstein(p, u)[:, None] * bernstein(q, v)[None]
         values = np.einsum("ijs,eijc->esc", table, self.flat_nets)
         return u, v, np.ascontiguousarray(values[..., :-1] / values[..., -1:])
+
+    @property
+    def _sample_counts(self) -> list[int]:
+        return [5 if degree else 1 for degree in self.surface.degrees]
 
     @cached_property
     def sphere(self) -> tuple[Array, Array]:
@@ -63,7 +70,7 @@ class Panels:
     @cached_property
     def lengths(self) -> Array:
         """The longer side of each panel: (E,)."""
-        grid = self.samples[2].reshape(len(self.flat_nets), 5, 5, -1)
+        grid = self.samples[2].reshape(len(self.flat_nets), *self._sample_counts, -1)
         u = np.linalg.norm(np.diff(grid, axis=1), axis=3).sum(axis=1).max(axis=1)
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
         return np.maximum(u, v)
@@ -83,7 +90,9 @@ class Panels:
 
 
 def split_patch(surface: Nurbs) -> Panels:
-    """Panels of a surface: its elements, halved until none turns by more than 50 degrees."""
+    """Panels of a patch: its elements, halved until none turns by more than 50 degrees."""
+    if len(surface.degrees) == 1:
+        surface = _ruled(surface)
     breaks = tuple(_panel_breaks(surface, d) for d in range(2))
     control = surface.homogeneous
     extraction, first = [], []
@@ -102,6 +111,12 @@ def split_patch(surface: Nurbs) -> Panels:
         [[control[a * p :, b * q :][: p + 1, : q + 1] for b in columns] for a in rows]
     )
     return Panels(surface, breaks, nets, tuple(extraction), tuple(first))
+
+
+def _ruled(curve: Nurbs) -> Nurbs:
+    """A curve as a patch of degree 0 across."""
+    knots = (*curve.knots, np.array([0.0, 1.0]))
+    return Nurbs((*curve.degrees, 0), knots, curve.points[:, None], curve.weights[:, None])
 
 
 def _panel_breaks(surface: Nurbs, direction: int) -> Array:
@@ -127,8 +142,9 @@ def _panel_breaks(surface: Nurbs, direction: int) -> Array:
 class Nodes:
     """Tensor Gauss nodes of one order on every panel.
 
-    ``position``, ``normal`` (dim, P_u, P_v, m²); ``weight`` (P_u, P_v, m²), with Jacobian, over
-    the weight function; ``functions`` one (P, m, p + 1) array of B-splines a parameter.
+    ``position``, ``normal`` (dim, P_u, P_v, N); ``weight`` (P_u, P_v, N), with Jacobian, over
+    the weight function; ``functions`` one (P, m, p + 1) array of B-splines a parameter, where N
+    is the product of both m.
     """
 
     position: Array
@@ -145,22 +161,22 @@ class Nodes:
         first_u, first_v = panels.first[0][a], panels.first[1][b]
         part_u = slice(first_u, first_u + p + 1)
         part_v = slice(first_v[0], first_v[-1] + q + 1)
-        m = self.functions[1].shape[1]
-        across = np.zeros((len(first_v), m, part_v.stop - part_v.start))
+        m_u, m_v = (f.shape[1] for f in self.functions)
+        across = np.zeros((len(first_v), m_v, part_v.stop - part_v.start))
         for k, f in enumerate(first_v - first_v[0]):
             across[k, :, f : f + q + 1] = self.functions[1][b][k]
-        weight = self.weight[a, b].reshape(len(first_v), m, m)
+        weight = self.weight[a, b].reshape(len(first_v), m_u, m_v)
         along = weight[..., None] * self.functions[0][a][:, None]  # (panel, k, l, i)
         control = panels.surface.weights[part_u, part_v]
         table = along[..., None] * across[:, None, :, None] * control
-        return table.reshape(len(first_v) * m * m, -1), part_u, part_v
+        return table.reshape(len(first_v) * m_u * m_v, -1), part_u, part_v
 
 
 def tensor_nodes(panels: Panels, order: int) -> Nodes:
-    """Nodes of the tensor Gauss rule of ``order`` on every panel."""
-    _, w = gauss_unit(order)
+    """Nodes of the tensor Gauss rule of ``order`` on every panel; one node across a curve."""
     p, q = panels.surface.degrees
-    (bu, du), (bv, dv) = _bernstein_tables(p, order), _bernstein_tables(q, order)
+    m_u, m_v = order, order if q else 1
+    (bu, du), (bv, dv) = _bernstein_tables(p, m_u), _bernstein_tables(q, m_v)
     value = np.einsum("ik,jl,abijc->cabkl", bu, bv, panels.nets, optimize=True)
     along_u = np.einsum("ik,jl,abijc->cabkl", du, bv, panels.nets, optimize=True)
     along_v = np.einsum("ik,jl,abijc->cabkl", bu, dv, panels.nets, optimize=True)
@@ -168,14 +184,14 @@ def tensor_nodes(panels: Panels, order: int) -> Nodes:
     position = value[:-1] / weight
     tangent_u = (along_u[:-1] - along_u[-1] * position) / weight
     tangent_v = (along_v[:-1] - along_v[-1] * position) / weight
-    normal = np.cross(tangent_u, tangent_v, axis=0)
+    normal = area_vector(tangent_u, *([tangent_v] if q else []))
     jacobian = np.linalg.norm(normal, axis=0)
     scale = np.where(jacobian > 0, jacobian, 1.0)
-    factor = w[:, None] * w * jacobian / weight
+    factor = np.outer(gauss_unit(m_u)[1], gauss_unit(m_v)[1]) * jacobian / weight
     functions = tuple(
         np.einsum("ik,aij->akj", b, e) for b, e in zip((bu, bv), panels.extraction, strict=True)
     )
-    flat = (*panels.shape, order * order)
+    flat = (*panels.shape, m_u * m_v)
     return Nodes(
         position.reshape(-1, *flat),
         (normal / scale).reshape(-1, *flat),

@@ -1,21 +1,26 @@
-"""Singular and nearly singular rules: polar coordinates around the closest point of a panel.
+"""Singular and nearly singular rules around the closest point of a panel.
 
-The panel is cut into triangles from the closest point to its edges, in coordinates that make
+On a surface they are polar.  The panel is cut into triangles from the closest point to its edges, in coordinates that make
 the surface's metric there the identity.  In a triangle of height h, the angle is replaced by
 t = asinh(tan θ), so that the opening may approach a straight angle (Hayami); the radius is
 linear for a target on the panel, and ρ = d sinh(s) for one at a distance d (Johnston and
 Elliott).  Both leave integrands that are analytic in a strip of half width π/2, hence a Gauss
 order for a tolerance: a range of length 2a needs ln(1/tolerance) / (2 asinh(π / 2a)) nodes.
+
+A curve is cut at the closest point.  To either side, the same ρ = d sinh(s) puts the nearest
+singularities to iπ/2 above the end of the range, which spares nodes; a target on the curve asks
+for a rule that holds the logarithm.
 """
 
 from __future__ import annotations
 
 from functools import lru_cache
-from math import asinh, ceil, cosh, log, pi, sinh, sqrt
+from math import acosh, asinh, ceil, cosh, exp, log, pi, sinh, sqrt
 
 import numpy as np
 from numba import njit
 
+from cadbem.quadrature.gauss import gauss_unit, log_unit
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein
 
 MAX_ORDER = 64
@@ -25,12 +30,14 @@ CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counte
 
 @lru_cache(maxsize=1)
 def gauss_table():
-    """Gauss-Legendre nodes and weights on [0, 1] of all orders to ``MAX_ORDER``: (2, M+1, M)."""
-    table = np.zeros((2, MAX_ORDER + 1, MAX_ORDER))
+    """Rules on [0, 1] of all orders to ``MAX_ORDER``: (4, M + 1, M).
+
+    Nodes and weights of Gauss-Legendre, then those of ``log_unit``.
+    """
+    table = np.zeros((4, MAX_ORDER + 1, MAX_ORDER))
     for order in range(1, MAX_ORDER + 1):
-        nodes, weights = np.polynomial.legendre.leggauss(order)
-        table[0, order, :order] = 0.5 * (nodes + 1.0)
-        table[1, order, :order] = 0.5 * weights
+        table[:2, order, :order] = gauss_unit(order)
+        table[2:, order, :order] = log_unit(order)
     return table
 
 
@@ -129,6 +136,39 @@ def polar_nodes(net, u, v, distance, tolerance, gauss, nodes, work):
 
 
 @njit(cache=True, nogil=True)
+def line_nodes(net, u, distance, tolerance, gauss, nodes, work):
+    """As ``polar_nodes`` for a panel of a curve: nodes to either side of the closest point."""
+    bu, du, bv, dv, point, tu, tv = work
+    speed = sqrt(_frame(net, u, 0.0, bu, du, bv, dv, point, tu, tv)[0])
+    digits, degree = -log(tolerance) + 2.0, net.shape[0] - 1
+    count = 0
+    for side in (-1.0, 1.0):
+        span = u if side < 0.0 else 1.0 - u
+        if span < 1e-14:
+            continue
+        top = asinh(span * speed / distance) if distance > 0.0 else 1.0
+        if distance > 0.0:
+            strip = acosh(exp(asinh(0.5 * pi / top)))
+            order = int(ceil(digits / (2.0 * strip))) + degree
+        else:
+            order = int(ceil(0.55 * digits)) + degree
+        order = min(order, MAX_ORDER)
+        if count + order > nodes.shape[1]:
+            return -1
+        for i in range(order):
+            if distance > 0.0:
+                s = top * gauss[0, order, i]
+                nodes[0, count] = u + side * distance * sinh(s) / speed
+                nodes[2, count] = top * gauss[1, order, i] * distance * cosh(s) / speed
+            else:
+                nodes[0, count] = u + side * span * gauss[2, order, i]
+                nodes[2, count] = span * gauss[3, order, i]
+            nodes[1, count] = 0.0
+            count += 1
+    return count
+
+
+@njit(cache=True, nogil=True)
 def place_nodes(
     nets, panel_of, first, u, v, distance, tolerance, gauss,
     starts, position, normal, weight, bu, bv,
@@ -150,7 +190,10 @@ def place_nodes(
     for k in range(first, len(panel_of)):
         net = nets[panel_of[k]]
         room = nodes[:, : position.shape[1] - used]
-        count = polar_nodes(net, u[k], v[k], distance[k], tolerance, gauss, room, work)
+        if dim == 2:
+            count = line_nodes(net, u[k], distance[k], tolerance, gauss, room, work)
+        else:
+            count = polar_nodes(net, u[k], v[k], distance[k], tolerance, gauss, room, work)
         if count < 0:
             break
         for m in range(count):
