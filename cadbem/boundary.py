@@ -158,6 +158,24 @@ class Boundary:
         scale = np.broadcast_to(1.0 if size is None else np.asarray(size), (self.dimension,))
         return self._mapped(lambda s: s.inserted(_new_knots(s, spans, scale)))
 
+    def graded(
+        self,
+        levels: int,
+        ratio: float = 0.45,
+        *,
+        toward: Predicate | None = None,
+    ) -> Boundary:
+        """Elements that shrink towards the patches' edges, where flows are singular.
+
+        The element at an edge is cut at ``ratio``, ratio², ... of its width, ``levels`` times.
+        ``toward(position, inward) -> bool`` is asked in the middle of each edge, with the
+        direction from there into the patch; without it all edges are graded.
+        """
+        if not 0 < ratio < 1:
+            raise ValueError(f"the ratio {ratio} of grading must lie between 0 and 1")
+        shares = ratio ** np.arange(levels, 0, -1)
+        return self._mapped(lambda s: s.inserted(_graded_knots(s, shares, toward)))
+
     def _mapped(self, change: Callable[[Nurbs], Nurbs]) -> Boundary:
         patches = [replace(p, surface=change(p.surface)) for p in self.patches]
         return replace(self, patches=tuple(patches))
@@ -201,6 +219,32 @@ def _new_knots(surface: Nurbs, spans: int | None, scale: Array) -> list[Array]:
         ]
         knots.append(np.concatenate(inner))
     return knots
+
+
+def _graded_knots(
+    surface: Nurbs, shares: Array, toward: Predicate | None
+) -> list[Array]:
+    knots = []
+    for direction in range(len(surface.degrees)):
+        breaks = surface.breaks(direction)
+        ends = []
+        for edge, inner in ((breaks[0], breaks[1]), (breaks[-1], breaks[-2])):
+            if toward is None or toward(*_edge_middle(surface, direction, edge, inner)):
+                ends.append(edge + (inner - edge) * shares)
+        knots.append(np.concatenate(ends) if ends else np.empty(0))
+    return knots
+
+
+def _edge_middle(
+    surface: Nurbs, direction: int, edge: float, inner: float
+) -> tuple[Array, Array]:
+    """Middle of an edge, and the unit vector from there into the patch."""
+    middle = [0.5 * (a + b) for a, b in surface.domain]
+    middle[direction] = edge
+    start = surface.evaluate(*middle)
+    middle[direction] = inner
+    inward = surface.evaluate(*middle) - start
+    return start, inward / np.linalg.norm(inward)
 
 
 def _span_lengths(surface: Nurbs, direction: int, scale: Array, samples: int = 8) -> Array:

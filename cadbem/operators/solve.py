@@ -20,27 +20,38 @@ class DenseFactors:
     shape: tuple[int, int]
 
     def solve(self, right: Array) -> Array:
-        """Unknowns (components, F) for a right side (rows, T)."""
+        """Unknowns (components, F[, M]) for a right side (rows, T), or for M of them (·, ·, M)."""
+        columns = right.reshape(-1, *right.shape[2:])
         # the factors are those of the transposed matrix, which saved a copy
-        return lu_solve(self.factors, right.ravel(), trans=1).reshape(self.shape)
+        return lu_solve(self.factors, columns, trans=1).reshape(*self.shape, *right.shape[2:])
 
 
 def factorise(
-    layers: Layers, free_term: float, single: Sequence[Array], double: Sequence[Array]
+    layers: Layers,
+    free_term: float,
+    single: Sequence[Array],
+    double: Sequence[Array],
+    border: Border | None = None,
 ) -> DenseFactors:
     """Factors of q -> S (F q) + (D - free_term) (U q), collocated in the layers' own space.
 
-    ``single`` = F and ``double`` = U hold one (components, k) matrix a patch.
+    ``single`` = F and ``double`` = U hold one (components, k) matrix a patch.  A ``border``
+    removes null spaces.
     """
     space, rows = layers.space, layers.kernel.rows
     count, unknowns = layers.entries.shape[1], single[0].shape[1]
-    matrix = np.empty((rows, count, unknowns, space.count))
+    extra = 0 if border is None else len(border.rows)
+    equations, columns = rows * count, unknowns * space.count
+    square = np.zeros((equations + extra, columns + extra))
+    if border is not None:
+        square[equations:, :columns] = border.rows.reshape(extra, columns)
+        square[:equations, columns:] = border.fields.reshape(extra, equations).T
+    matrix = square[:equations, :columns].reshape(rows, count, unknowns, space.count, copy=False)
     for patch, (f, u) in enumerate(zip(single, double, strict=True)):
         part = space.functions(patch)
         block = layers.columns(patch, f, u)
         own = space.collocation_matrix(patch)
         block[:, part] -= free_term * u[:, None, :, None] * own[None, :, None, :]
         matrix[:, :, :, part] = block
-    square = matrix.reshape(rows * count, unknowns * space.count)
     factors = lu_factor(square.T, overwrite_a=True, check_finite=False)
     return DenseFactors(factors, (unknowns, space.count))

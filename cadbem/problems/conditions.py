@@ -73,7 +73,52 @@ class Traction:
     value: Vector = (0.0, 0.0, 0.0)
 
 
-Condition = NoSlip | Velocity | Inflow | Pressure | Traction
+@dataclass(frozen=True)
+class RigidMotion:
+    """A body that moves without deforming: u = velocity + angular_velocity × (x - centre).
+
+    All three are vectors (3,); the angular velocity is in radians per time.
+    """
+
+    velocity: Vector = (0.0, 0.0, 0.0)
+    angular_velocity: Vector = (0.0, 0.0, 0.0)
+    centre: Vector = (0.0, 0.0, 0.0)
+
+    def at(self, position: Array) -> Array:
+        """Velocity (3, N) at positions (3, N)."""
+        shift, turn, centre = (
+            np.asarray(v, dtype=float)[:, None]
+            for v in (self.velocity, self.angular_velocity, self.centre)
+        )
+        return shift + np.cross(turn, position - centre, axis=0)
+
+
+Condition = NoSlip | Velocity | Inflow | Pressure | Traction | RigidMotion
+
+
+@dataclass(frozen=True)
+class Background:
+    """Flow far from all bodies in unbounded fluid: a Stokes flow without singularities.
+
+    ``velocity`` as a vector (3,) or a function of positions (3, N) -> (3, N); ``pressure`` as a
+    number or a function (3, N) -> (N,).
+    """
+
+    velocity: Vector | Callable[[Array], Array] = (0.0, 0.0, 0.0)
+    pressure: float | Callable[[Array], Array] = 0.0
+
+    def velocity_at(self, position: Array) -> Array:
+        """Velocity (3, N) at positions (3, N)."""
+        if callable(self.velocity):
+            return np.asarray(self.velocity(position))
+        vector = np.asarray(self.velocity, dtype=float).reshape(3, 1)
+        return np.broadcast_to(vector, position.shape)
+
+    def pressure_at(self, position: Array) -> Array:
+        """Pressure (N,) at positions (3, N)."""
+        if callable(self.pressure):
+            return np.asarray(self.pressure(position))
+        return np.full(position.shape[1], self.pressure)
 
 
 def split(condition: Condition, opening: Port | None) -> Split:
@@ -83,6 +128,8 @@ def split(condition: Condition, opening: Port | None) -> Split:
             return Split(None, None, Nothing, All)
         case Velocity(value):
             return Split(_given(value), None, Nothing, All)
+        case RigidMotion():
+            return Split(_given(condition.at), None, Nothing, All)
         case Traction(value):
             return Split(None, _given(value), All, Nothing)
         case Inflow():

@@ -78,6 +78,13 @@ class MixedSystem:
         right -= self.layers.apply(self.flux_factor * flux, value)
         return self.factors.solve(right)
 
+    def flux_responses(self, patches: Sequence[int]) -> Array:
+        """Unknowns (k, F, M) that each of the M coefficients of known flux on patches brings."""
+        one = np.eye(self.layers.kernel.components)
+        blocks = [self.layers.columns(i, one, 0 * one) for i in patches]
+        right = np.concatenate([b.reshape(*b.shape[:2], -1) for b in blocks], axis=2)
+        return self.factors.solve(-self.flux_factor * right)
+
     def complete(self, value: Array, flux: Array, unknowns: Array) -> tuple[Array, Array]:
         """Coefficients of the whole value and flux from known parts and unknowns."""
         value, flux = value.copy(), flux.copy()
