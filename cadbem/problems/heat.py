@@ -1,0 +1,177 @@
+"""Steady heat conduction: the problem, its linear system, Newton's method for radiation."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import block_diag
+
+from cadbem.boundary import Boundary
+from cadbem.errors import ConditionError
+from cadbem.kernels.kernel import Kernel
+from cadbem.operators.layers import Layers, assemble_layers, collocation_targets, potentials
+from cadbem.problems.heat_conditions import (
+    HeatCondition,
+    HeatFlux,
+    SurfaceExchange,
+    Temperature,
+    split_heat,
+)
+from cadbem.problems.heat_solution import HeatSolution
+from cadbem.problems.heat_source import Source, laplace_kernel, source_kernel
+from cadbem.problems.mixed import MixedSystem, check_names
+from cadbem.quadrature.options import Quadrature
+from cadbem.space import Field, Space, discontinuous_space
+from cadbem.spline.basis import Array
+
+KINDS = (Temperature, HeatFlux, SurfaceExchange)
+UPDATE = 1e-12  # Newton stops when the update is this small against the temperature
+MOST_STEPS = 60
+
+
+@dataclass(frozen=True, eq=False)
+class HeatProblem:
+    """k ∇²φ + b = 0 in a ``boundary`` of curves or surfaces whose normals point into the body.
+
+    ``conductivity`` k > 0; ``conditions`` one a name of the boundary; ``source`` b, heat per
+    volume and time, a number or a function of positions (dim, N) -> (N,), which is also asked
+    outside a body that is not convex.  Raises ``ConditionError`` for a face without a condition,
+    a condition without a face, a temperature that is left open, and, when solved, for a source
+    that varies too fast or radiation that is not balanced.
+    """
+
+    boundary: Boundary
+    conductivity: float
+    conditions: Mapping[str, HeatCondition]
+    source: Source | None = None
+    quadrature: Quadrature = field(default_factory=Quadrature)
+
+    def __post_init__(self) -> None:
+        if not self.conductivity > 0:
+            raise ConditionError(f"conductivity is {self.conductivity}; it must be positive")
+        check_names(self.boundary, self.conditions, KINDS)
+        if all(isinstance(c, HeatFlux) for c in self.conditions.values()):
+            names = ", ".join(f"'{n}'" for n in self.boundary.names)
+            raise ConditionError(
+                f"only heat fluxes are given, so the temperature is open; give one of {names} "
+                "a Temperature or a SurfaceExchange"
+            )
+
+    @property
+    def size(self) -> float:
+        """Diagonal of the box around the body."""
+        low, high = self.boundary.bounds()
+        return float(np.linalg.norm(high - low))
+
+    @property
+    def sphere(self) -> float:
+        """Area of the unit sphere or length of the unit circle: 4π or 2π."""
+        return 2 * np.pi * (self.boundary.dimension - 1)
+
+    @cached_property
+    def space(self) -> Space:
+        """Unknowns and collocation points."""
+        return discontinuous_space(self.boundary)
+
+    @cached_property
+    def kernel(self) -> Kernel:
+        """Fundamental solution of Laplace's equation, positive in this body."""
+        return laplace_kernel(self.boundary.dimension, self.size)
+
+    @cached_property
+    def source_kernel(self) -> Kernel | None:
+        """Kernel whose potential is that of the source, if there is one."""
+        if self.source is None:
+            return None
+        return source_kernel(self.source, self.space, self.size, self.quadrature.tolerance)
+
+    @cached_property
+    def layers(self) -> Layers:
+        """Both layers at the collocation points."""
+        targets = collocation_targets(self.space)
+        return assemble_layers(self.kernel, self.space, targets, self.quadrature)
+
+    def solve(self) -> HeatSolution:
+        """Temperature and heat flux on the boundary, whence everything else follows.
+
+        Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c half of
+        ``sphere``, q = -k ∂φ/∂n with n into the body.
+        """
+        slope = self.conductivity / self.size
+        splits = [split_heat(self.conditions[p.name], slope) for p in self.boundary.patches]
+        system = MixedSystem(self.layers, self.sphere / 2, 1 / self.conductivity, splits)
+        temperature, flux = system.known()
+        unknowns = system.unknowns(temperature, flux, self._source_term())
+        radiating = self._radiating()
+        if radiating:
+            part = np.concatenate([np.arange(*self._range(i)) for i in radiating])
+            response = system.flux_responses(radiating)[0]
+            flux[0, part] = self._balance(radiating, unknowns[0, part], response[part], slope)
+            unknowns = unknowns + response @ flux[0, part]
+        temperature, flux = system.complete(temperature, flux, unknowns)
+        return HeatSolution(self, Field(self.space, temperature), Field(self.space, flux))
+
+    def _source_term(self) -> Array | float:
+        if self.source_kernel is None:
+            return 0.0
+        ones, targets = np.ones((1, self.space.count)), collocation_targets(self.space)
+        potential = potentials(
+            self.source_kernel, self.space, targets, self.quadrature, 0 * ones, ones
+        )
+        return potential / self.conductivity
+
+    def _radiating(self) -> list[int]:
+        """Patches whose condition is not linear."""
+        conditions = [self.conditions[p.name] for p in self.boundary.patches]
+        return [
+            i for i, c in enumerate(conditions) if isinstance(c, SurfaceExchange) and c.radiation
+        ]
+
+    def _range(self, patch: int) -> tuple[int, int]:
+        return self.space.offsets[patch], self.space.offsets[patch + 1]
+
+    def _balance(self, patches: list[int], base: Array, response: Array, slope: float) -> Array:
+        """Newton's method on the condensed system: coefficients g with q = -slope φ + g.
+
+        The temperature's coefficients on the radiating patches alone are c = base + response g,
+        linear in g; with N the functions at the collocation points, N g = slope N c - f(N c).
+        Raises ``ConditionError`` when it does not converge.
+        """
+        basis = block_diag(*map(self.space.collocation_matrix, patches))
+        values = np.full(len(base), max(abs(basis @ base).max(), self._hottest_ambient(patches)))
+        control = np.linalg.solve(basis, values)
+        for _ in range(MOST_STEPS):
+            loss, derivative = self._losses(patches, basis @ control)
+            answer = slope * control - np.linalg.solve(basis, loss)
+            gap = control - base - response @ answer
+            inner = np.linalg.solve(basis, derivative[:, None] * basis)
+            jacobian = np.eye(len(base)) - response @ (slope * np.eye(len(base)) - inner)
+            update = np.linalg.solve(jacobian, gap)
+            control = control - update
+            values = basis @ control
+            if np.linalg.norm(basis @ update) <= UPDATE * np.linalg.norm(values):
+                return slope * control - np.linalg.solve(basis, self._losses(patches, values)[0])
+        raise ConditionError(
+            f"the radiation is not balanced after {MOST_STEPS} Newton steps; "
+            "check that temperatures are absolute and the units of SurfaceExchange"
+        )
+
+    def _exchange(self, patch: int) -> SurfaceExchange:
+        condition = self.conditions[self.boundary.patches[patch].name]
+        assert isinstance(condition, SurfaceExchange)
+        return condition
+
+    def _hottest_ambient(self, patches: list[int]) -> float:
+        return max(self._exchange(i).ambient for i in patches)
+
+    def _losses(self, patches: list[int], values: Array) -> tuple[Array, Array]:
+        """Loss and its derivative at the collocation points of patches, one after the other."""
+        ends = np.cumsum([np.diff(self._range(i))[0] for i in patches])
+        pairs = [
+            (self._exchange(i).loss(v), self._exchange(i).loss_slope(v))
+            for i, v in zip(patches, np.split(values, ends[:-1]), strict=True)
+        ]
+        return np.concatenate([p[0] for p in pairs]), np.concatenate([p[1] for p in pairs])
