@@ -18,7 +18,7 @@ The gradient of both layers with respect to x0, for heat fluxes inside:
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 
 from numba import njit
 
@@ -67,6 +67,7 @@ LAPLACE_3D = Kernel(
     single=((0,),),
     double=((1,),),
     fill=_value,
+    free_term=2 * pi,
 )
 
 LAPLACE_GRADIENT_3D = Kernel(

@@ -66,11 +66,6 @@ class HeatProblem:
         low, high = self.boundary.bounds()
         return float(np.linalg.norm(high - low))
 
-    @property
-    def sphere(self) -> float:
-        """Area of the unit sphere or length of the unit circle: 4π or 2π."""
-        return 2 * np.pi * (self.boundary.dimension - 1)
-
     @cached_property
     def space(self) -> Space:
         """Unknowns and collocation points."""
@@ -97,12 +92,12 @@ class HeatProblem:
     def solve(self) -> HeatSolution:
         """Temperature and heat flux on the boundary, whence everything else follows.
 
-        Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c half of
-        ``sphere``, q = -k ∂φ/∂n with n into the body.
+        Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c its
+        ``free_term``, q = -k ∂φ/∂n with n into the body.
         """
         slope = self.conductivity / self.size
         splits = [split_heat(self.conditions[p.name], slope) for p in self.boundary.patches]
-        system = MixedSystem(self.layers, self.sphere / 2, 1 / self.conductivity, splits)
+        system = MixedSystem(self.layers, self.kernel.free_term, 1 / self.conductivity, splits)
         temperature, flux = system.known()
         unknowns = system.unknowns(temperature, flux, self._source_term())
         radiating = self._radiating()

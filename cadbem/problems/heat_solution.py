@@ -35,12 +35,13 @@ class HeatSolution:
 
         φ = (1/c) [(1/k) S q + D φ + (1/k) ∫ b G dV] inside, c = 4π (3D) or 2π (2D).
         """
-        problem, space = self.problem, self.space
-        heat = 1 / (problem.sphere * problem.conductivity)
-        single, double = heat * self.flux.coefficients, self.temperature.coefficients
-        quadrature, on_patch = problem.quadrature, self.temperature.on_patch
+        problem, space, quadrature = self.problem, self.space, self.problem.quadrature
+        solid_angle = 2 * problem.kernel.free_term
+        heat = 1 / (solid_angle * problem.conductivity)
+        single = heat * self.flux.coefficients
+        double = self.temperature.coefficients / solid_angle
         result = represent(
-            problem.kernel, space, points, quadrature, single, double / problem.sphere, on_patch
+            problem.kernel, space, points, quadrature, single, double, self.temperature.on_patch
         )
         if problem.source_kernel is not None:
             ones = np.full((1, space.count), heat)
