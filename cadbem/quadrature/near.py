@@ -1,10 +1,10 @@
 """Singular and nearly singular rules around the closest point of a panel.
 
-On a surface they are polar.  The panel is cut into triangles from the closest point to its edges, in coordinates that make
-the surface's metric there the identity.  In a triangle of height h, the angle is replaced by
-t = asinh(tan θ), so that the opening may approach a straight angle (Hayami); the radius is
-linear for a target on the panel, and ρ = d sinh(s) for one at a distance d (Johnston and
-Elliott).  Both leave integrands that are analytic in a strip of half width π/2, hence a Gauss
+On a surface they are polar.  The panel is cut into triangles from the closest point to its edges,
+in coordinates that make the surface's metric there the identity.  In a triangle of height h, the
+angle is replaced by t = asinh(tan θ), so that the opening may approach a straight angle (Hayami);
+the radius is linear for a target on the panel, and ρ = d sinh(s) for one at a distance d (Johnston
+and Elliott).  Both leave integrands that are analytic in a strip of half width π/2, hence a Gauss
 order for a tolerance: a range of length 2a needs ln(1/tolerance) / (2 asinh(π / 2a)) nodes.
 
 A curve is cut at the closest point.  To either side, the same ρ = d sinh(s) puts the nearest
