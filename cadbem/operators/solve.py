@@ -19,11 +19,30 @@ class DenseFactors:
     factors: tuple[Array, Array]
     shape: tuple[int, int]
 
-    def solve(self, right: Array) -> Array:
-        """Unknowns (components, F[, M]) for a right side (rows, T), or for M of them (·, ·, M)."""
-        columns = right.reshape(-1, *right.shape[2:])
+    def solve(self, right: Array, constraints: Array | float = 0.0) -> Array:
+        """Unknowns (components, F[, M]) for a right side (rows, T), or for M of them (·, ·, M).
+
+        ``constraints`` (k,) are the right sides of a border's rows.
+        """
+        equations, count = right.shape[0] * right.shape[1], self.shape[0] * self.shape[1]
+        columns = np.empty((len(self.factors[1]), *right.shape[2:]))
+        columns[:equations] = right.reshape(equations, *right.shape[2:])
+        columns[equations:] = constraints
         # the factors are those of the transposed matrix, which saved a copy
-        return lu_solve(self.factors, columns, trans=1).reshape(*self.shape, *right.shape[2:])
+        unknowns = lu_solve(self.factors, columns, trans=1)[:count]
+        return unknowns.reshape(*self.shape, *right.shape[2:])
+
+
+@dataclass(frozen=True, eq=False)
+class Border:
+    """k constraints on the unknowns, and k fields that make room for them.
+
+    ``rows`` (k, components, F) of the constraints; ``fields`` (k, rows, T), each added to the
+    equations with a factor that is unknown too.
+    """
+
+    rows: Array
+    fields: Array
 
 
 def factorise(

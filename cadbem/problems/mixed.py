@@ -19,7 +19,7 @@ from cadbem.kernels.kernel import Kernel
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import Layers, potentials
 from cadbem.operators.locate import locate
-from cadbem.operators.solve import DenseFactors, factorise
+from cadbem.operators.solve import Border, DenseFactors, factorise
 from cadbem.points import SurfacePoints
 from cadbem.quadrature.options import Quadrature
 from cadbem.space import Space
@@ -42,13 +42,15 @@ class Split:
 class MixedSystem:
     """free_term u = flux_factor S f + D u + source at the collocation points of ``layers``.
 
-    S and D are the layers without factors; ``splits`` one a patch.
+    S and D are the layers without factors; ``splits`` one a patch; a ``border`` fixes what the
+    equations leave open.
     """
 
     layers: Layers
     free_term: float
     flux_factor: float
     splits: Sequence[Split]
+    border: Border | None = None
 
     @property
     def space(self) -> Space:
@@ -70,13 +72,22 @@ class MixedSystem:
         """Factors of the matrix that acts on the unknowns."""
         single = [self.flux_factor * s.flux_mixing for s in self.splits]
         double = [s.value_mixing for s in self.splits]
-        return factorise(self.layers, self.free_term, single, double)
+        return factorise(self.layers, self.free_term, single, double, self.border)
 
-    def unknowns(self, value: Array, flux: Array, source: Array | float = 0.0) -> Array:
-        """Unknowns (k, F) that go with known coefficients and a ``source`` (rows, T)."""
+    def unknowns(
+        self,
+        value: Array,
+        flux: Array,
+        source: Array | float = 0.0,
+        constraints: Array | float = 0.0,
+    ) -> Array:
+        """Unknowns (k, F) that go with known coefficients and a ``source`` (rows, T).
+
+        ``constraints`` (k,) are the right sides of the border's rows.
+        """
         right = self.free_term * self.space.values(value) - source
         right -= self.layers.apply(self.flux_factor * flux, value)
-        return self.factors.solve(right)
+        return self.factors.solve(right, constraints)
 
     def flux_responses(self, patches: Sequence[int]) -> Array:
         """Unknowns (k, F, M) that each of the M coefficients of known flux on patches brings."""
@@ -103,11 +114,13 @@ def represent(
     single: Array,
     double: Array,
     on_patch: Callable[..., Array],
+    far_away: Callable[[Array], Array] | None = None,
 ) -> Array:
     """S single + D double at points (dim, M) off the boundary, ``on_patch`` at those on it.
 
     ``single`` and ``double`` (components, F) are coefficients, with the equation's factors;
-    ``on_patch(patch, *parameters)`` gives (rows, ·).  Result (rows, M).
+    ``on_patch(patch, *parameters)`` gives (rows, ·).  ``far_away(position)``, what the layers
+    come on top of, counts off the boundary only.  Result (rows, M).
     """
     position = np.ascontiguousarray(points, dtype=float)
     owner, parameters = locate(space.boundary, position)
@@ -115,6 +128,8 @@ def represent(
     result = np.empty((kernel.rows, position.shape[1]))
     targets = Targets.free(np.ascontiguousarray(position[:, inside]))
     result[:, inside] = potentials(kernel, space, targets, quadrature, single, double)
+    if far_away is not None:
+        result[:, inside] += far_away(position[:, inside])
     for patch in np.unique(owner[~inside]):
         here = owner == patch
         result[:, here] = on_patch(patch, *parameters[:, here])

@@ -38,19 +38,22 @@ class StokesSolution:
     def velocity_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
         """Velocity (3, M) at points (3, M) in the fluid or on its boundary.
 
-        u = -(1/8πμ) ∫ G f dS + (1/8π) ∫ (T·n) u dS inside; zero outside.  The ``quadrature``
-        is the problem's if none is given.
+        u = u∞ - (1/8πμ) ∫ G f dS + (1/8π) ∫ (T·n) u dS in the fluid; zero outside.  The
+        ``quadrature`` is the problem's if none is given.
         """
         factor = -1 / (EIGHT_PI * self.problem.viscosity), 1 / EIGHT_PI
-        return self._at(STOKES_3D, points, quadrature, factor, self.velocity.on_patch)
+        far_away = self.problem.background.velocity_at
+        return self._at(STOKES_3D, points, quadrature, factor, self.velocity.on_patch, far_away)
 
     def pressure_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
         """Pressure (M,) at points (3, M) in the fluid or on its boundary.
 
-        p = (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS inside (see ``stokes_3d``).
+        p = p∞ + (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS in the fluid (see ``stokes_3d``).
         """
         factor = 1 / EIGHT_PI, self.problem.viscosity / EIGHT_PI
-        return self._at(STOKES_PRESSURE_3D, points, quadrature, factor, self._pressure_row)[0]
+        kernel, on_patch = STOKES_PRESSURE_3D, self._pressure_row
+        far_away = self.problem.background.pressure_at
+        return self._at(kernel, points, quadrature, factor, on_patch, far_away)[0]
 
     def _at(
         self,
@@ -59,11 +62,14 @@ class StokesSolution:
         quadrature: Quadrature | None,
         factor: tuple[float, float],
         on_patch: Callable[..., Array],
+        far_away: Callable[[Array], Array],
     ) -> Array:
         single = factor[0] * self.traction.coefficients
         double = factor[1] * self.velocity.coefficients
         quadrature = quadrature or self.problem.quadrature
-        return represent(kernel, self.space, points, quadrature, single, double, on_patch)
+        return represent(
+            kernel, self.space, points, quadrature, single, double, on_patch, far_away
+        )
 
     def _pressure_row(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
         return self.surface_pressure(patch, u, v)[None]
@@ -97,6 +103,15 @@ class StokesSolution:
         """Force (3,) of the fluid on the faces of a name, ∫ f dS."""
         patches = patches_named(self.space.boundary, name)
         return np.sum([self.traction.integral(i) for i in patches], axis=0)
+
+    def torque(self, name: str, centre: ArrayLike) -> Array:
+        """Torque (3,) of the fluid on the faces of a name about a point (3,), ∫ (x - c) × f dS."""
+        total = np.zeros(3)
+        for i in patches_named(self.space.boundary, name):
+            values, points, weights = self.traction.quadrature(i)
+            arms = points.position - np.reshape(centre, (3, 1))
+            total += np.cross(arms, values, axis=0) @ weights
+        return total
 
     def net_force(self) -> float:
         """|∮ f dS|, which vanishes for the exact flow; relative to ∮ |f| dS."""

@@ -1,4 +1,4 @@
-"""Stokes flow through a channel: the problem, its linear system, its solution."""
+"""Stokes flow through channels and around bodies: the problem and its linear system."""
 
 from __future__ import annotations
 
@@ -10,18 +10,23 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
-from cadbem.kernels.stokes_3d import STOKES_3D
+from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
+from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
+from cadbem.operators.solve import Border
+from cadbem.problems.bodies import Surface, closed_surfaces, point_inside
 from cadbem.problems.conditions import (
+    Background,
     Condition,
     Inflow,
     NoSlip,
     Pressure,
+    RigidMotion,
     Traction,
     Velocity,
     split,
 )
-from cadbem.problems.mixed import MixedSystem, check_names, patches_named
+from cadbem.problems.mixed import MixedSystem, Split, check_names, patches_named
 from cadbem.problems.profiles import Port, port
 from cadbem.problems.solution import StokesSolution
 from cadbem.quadrature.options import Quadrature
@@ -29,7 +34,9 @@ from cadbem.space import Field, Space, discontinuous_space
 from cadbem.spline.basis import Array
 
 FREE_TERM = 4 * np.pi  # of a smooth boundary point
-KINDS = (NoSlip, Velocity, Inflow, Pressure, Traction)
+EIGHT_PI = 8 * np.pi
+GIVEN_VELOCITY = (NoSlip, Velocity, RigidMotion, Inflow)
+KINDS = (*GIVEN_VELOCITY, Pressure, Traction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,26 +44,44 @@ class StokesProblem:
     """Slow viscous flow in a ``boundary`` of degree-elevated, refined patches.
 
     ``viscosity`` in pressure × time, in whatever consistent units; ``conditions`` one a name of
-    the boundary.  Raises ``ConditionError`` for a face without a condition, a condition without
-    a face, data that drive no flow, data that leave the pressure open, a viscosity that is not
-    positive.
+    the boundary.  If no closed surface holds the fluid it is unbounded: a ``background`` flow may
+    then be given, which the flow tends to far away.  Raises ``ConditionError`` for a face without
+    a condition, a condition without a face, data that drive no flow, data that leave the pressure
+    open, a background within walls, a viscosity that is not positive.
     """
 
     boundary: Boundary
     viscosity: float
     conditions: Mapping[str, Condition]
     quadrature: Quadrature = field(default_factory=Quadrature)
+    background: Background = Background()
 
     def __post_init__(self) -> None:
         if not self.viscosity > 0:
             raise ConditionError(f"viscosity is {self.viscosity}; it must be positive")
         check_names(self.boundary, self.conditions, KINDS)
-        _check_data(self.boundary, self.conditions)
+        unbounded = not any(s.holds_fluid for s in self.surfaces)
+        _check_data(self.boundary, self.conditions, self.background, unbounded)
 
     @cached_property
     def space(self) -> Space:
         """Unknowns and collocation points."""
         return discontinuous_space(self.boundary)
+
+    @cached_property
+    def surfaces(self) -> list[Surface]:
+        """The connected surfaces of the boundary."""
+        return closed_surfaces(self.boundary)
+
+    @cached_property
+    def given_bodies(self) -> list[Surface]:
+        """Bodies in the fluid whose velocity is given all over."""
+        kinds = [self.conditions[p.name] for p in self.boundary.patches]
+        return [
+            s
+            for s in self.surfaces
+            if s.is_body and all(isinstance(kinds[i], GIVEN_VELOCITY) for i in s.patches)
+        ]
 
     @cached_property
     def openings(self) -> dict[str, Port]:
@@ -73,19 +98,62 @@ class StokesProblem:
         targets = collocation_targets(self.space)
         return assemble_layers(STOKES_3D, self.space, targets, self.quadrature)
 
+    @cached_property
+    def inner_points(self) -> Array:
+        """A point inside each of ``given_bodies``: (3, bodies)."""
+        points = [point_inside(self.boundary, body) for body in self.given_bodies]
+        return np.ascontiguousarray(np.reshape(points, (-1, 3)).T)
+
+    @cached_property
+    def inner_pressure(self) -> Layers:
+        """Both layers' pressures at a point inside each of ``given_bodies``."""
+        targets = Targets.free(self.inner_points)
+        return assemble_layers(STOKES_PRESSURE_3D, self.space, targets, self.quadrature)
+
     def solve(self) -> StokesSolution:
         """Velocity and traction on the boundary, whence everything else follows.
 
-        Solves 4π u + (1/μ) S f - D u = 0 at the collocation points, n into the fluid.
+        Solves 4π u + (1/μ) S f - D u = 8π u∞ at the collocation points, n into the fluid.
         """
         splits = [
             split(self.conditions[p.name], self.openings.get(p.name))
             for p in self.boundary.patches
         ]
-        system = MixedSystem(self.layers, FREE_TERM, -1 / self.viscosity, splits)
+        border = self._border(splits) if self.given_bodies else None
+        system = MixedSystem(self.layers, FREE_TERM, -1 / self.viscosity, splits, border)
         known = self._known(system)
-        velocity, traction = system.complete(*known, system.unknowns(*known))
+        source = EIGHT_PI * self.background.velocity_at(self.space.collocation.position)
+        unknowns = system.unknowns(*known, source, self._constraints(*known))
+        velocity, traction = system.complete(*known, unknowns)
         return StokesSolution(self, Field(self.space, velocity), Field(self.space, traction))
+
+    def _border(self, splits: list[Split]) -> Border:
+        """What fixes f = n on each of ``given_bodies``, a null vector of the single layer.
+
+        Inside a body the sum of all layers vanishes, and so does its pressure, to which f = n
+        contributes 1.  Forces and torques do not depend on f = n, as ∫ n dS = ∫ x × n dS = 0.
+        By symmetry ∫ n·S f dS = 0: the equations are compatible only up to errors of
+        discretisation, for which multiples of n on each body make room.
+        """
+        normal = self.space.collocation.normal
+        fields = np.zeros((len(self.given_bodies), *normal.shape))
+        for field_, body in zip(fields, self.given_bodies, strict=True):
+            for i in body.patches:
+                part = self.space.functions(i)
+                field_[:, part] = normal[:, part]
+        rows = np.concatenate(
+            [
+                self.inner_pressure.columns(i, s.flux_mixing, self.viscosity * s.value_mixing)[0]
+                for i, s in enumerate(splits)
+            ],
+            axis=2,
+        )
+        return Border(rows / EIGHT_PI, fields)
+
+    def _constraints(self, velocity: Array, traction: Array) -> Array:
+        """Right sides of the border: minus the pressures inside bodies that known data bring."""
+        known = self.inner_pressure.apply(traction, self.viscosity * velocity)[0] / EIGHT_PI
+        return -known - self.background.pressure_at(self.inner_points)
 
     def _known(self, system: MixedSystem) -> tuple[Array, Array]:
         """Coefficients of the known velocity and traction, inflows scaled to their flow rate."""
@@ -101,18 +169,30 @@ class StokesProblem:
         return velocity, traction
 
 
-def _check_data(boundary: Boundary, conditions: Mapping[str, Condition]) -> None:
+def _check_data(
+    boundary: Boundary,
+    conditions: Mapping[str, Condition],
+    background: Background,
+    unbounded: bool,
+) -> None:
+    if background != Background() and not unbounded:
+        raise ConditionError(
+            "a background flow is given, but walls enclose the fluid; leave it out, or turn the "
+            "normals of bodies outwards"
+        )
     values = list(conditions.values())
     names = ", ".join(f"'{n}'" for n in boundary.names)
     pressures = {c.value for c in values if isinstance(c, Pressure)}
-    drives = any(isinstance(c, Inflow | Velocity) for c in values) or len(pressures) > 1
+    moving = Inflow | Velocity | RigidMotion
+    drives = background != Background() or any(isinstance(c, moving) for c in values)
+    drives |= len(pressures) > 1
     drives |= any(isinstance(c, Traction) and np.any(c.value) for c in values)
     if not drives:
         raise ConditionError(
             f"there is no inlet: nothing drives the flow; give one of {names} an Inflow, "
             "or two of them different Pressures"
         )
-    if not any(isinstance(c, Pressure | Traction) for c in values):
+    if not unbounded and not any(isinstance(c, Pressure | Traction) for c in values):
         raise ConditionError(
             f"there is no outlet, so the pressure is open; give one of {names} a Pressure"
         )
