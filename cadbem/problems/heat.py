@@ -21,7 +21,7 @@ from cadbem.problems.heat_conditions import (
     split_heat,
 )
 from cadbem.problems.heat_solution import HeatSolution
-from cadbem.problems.heat_source import Source, laplace_kernel, source_kernel
+from cadbem.problems.heat_source import Source, SourceKernels, laplace_kernel, source_kernels
 from cadbem.problems.mixed import MixedSystem, check_names
 from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space, discontinuous_space
@@ -77,11 +77,11 @@ class HeatProblem:
         return laplace_kernel(self.boundary.dimension, self.size)
 
     @cached_property
-    def source_kernel(self) -> Kernel | None:
-        """Kernel whose potential is that of the source, if there is one."""
+    def source_kernels(self) -> SourceKernels | None:
+        """Kernels whose potentials are those of the source, if there is one."""
         if self.source is None:
             return None
-        return source_kernel(self.source, self.space, self.size, self.quadrature.tolerance)
+        return source_kernels(self.source, self.space, self.size, self.quadrature.tolerance)
 
     @cached_property
     def layers(self) -> Layers:
@@ -110,13 +110,11 @@ class HeatProblem:
         return HeatSolution(self, Field(self.space, temperature), Field(self.space, flux))
 
     def _source_term(self) -> Array | float:
-        if self.source_kernel is None:
+        if self.source_kernels is None:
             return 0.0
-        ones, targets = np.ones((1, self.space.count)), collocation_targets(self.space)
-        potential = potentials(
-            self.source_kernel, self.space, targets, self.quadrature, 0 * ones, ones
-        )
-        return potential / self.conductivity
+        kernel, targets = self.source_kernels.value, collocation_targets(self.space)
+        ones = np.full((1, self.space.count), 1 / self.conductivity)
+        return potentials(kernel, self.space, targets, self.quadrature, 0 * ones, ones)
 
     def _radiating(self) -> list[int]:
         """Patches whose condition is not linear."""

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cadbem.problems.heat_source import total_source
+from cadbem.kernels.kernel import Kernel
+from cadbem.points import surface_points
+from cadbem.problems.heat_source import gradient_kernel, total_source
 from cadbem.problems.mixed import patches_named, represent
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -35,20 +38,43 @@ class HeatSolution:
 
         φ = (1/c) [(1/k) S q + D φ + (1/k) ∫ b G dV] inside, c = 4π (3D) or 2π (2D).
         """
-        problem, space, quadrature = self.problem, self.space, self.problem.quadrature
+        sources = self.problem.source_kernels
+        source = None if sources is None else sources.value
+        return self._at(self.problem.kernel, source, points, self.temperature.on_patch)[0]
+
+    def heat_flux_at(self, points: ArrayLike) -> Array:
+        """Flux of heat -k ∇φ (dim, M) at points (dim, M) in the body or on its boundary."""
+        sources = self.problem.source_kernels
+        source = None if sources is None else sources.gradient
+        kernel, k = gradient_kernel(self.space.boundary.dimension), self.problem.conductivity
+        return -k * self._at(kernel, source, points, self._surface_gradient)
+
+    def _at(
+        self, kernel: Kernel, source: Kernel | None, points: ArrayLike, on_patch: Callable
+    ) -> Array:
+        problem, space = self.problem, self.space
         solid_angle = 2 * problem.kernel.free_term
         heat = 1 / (solid_angle * problem.conductivity)
         single = heat * self.flux.coefficients
         double = self.temperature.coefficients / solid_angle
-        result = represent(
-            problem.kernel, space, points, quadrature, single, double, self.temperature.on_patch
-        )
-        if problem.source_kernel is not None:
-            ones = np.full((1, space.count), heat)
-            result += represent(
-                problem.source_kernel, space, points, quadrature, 0 * ones, ones, _nothing
-            )
-        return result[0]
+        result = represent(kernel, space, points, problem.quadrature, single, double, on_patch)
+        if source is not None:
+            ones = np.full_like(double, heat)
+            result += represent(source, space, points, problem.quadrature, 0 * ones, ones, _nothing)
+        return result
+
+    def _surface_gradient(self, patch: int, *parameters: ArrayLike) -> Array:
+        """Gradient of the temperature on one patch: along it, and -q/k along the normal."""
+        surface = self.space.boundary.patches[patch].surface
+        control = np.moveaxis(self.temperature.patch_coefficients(patch), 0, -1)
+        points = surface_points(surface, *parameters)
+        slopes = replace(surface, points=control).derivatives(1, *parameters)
+        first = sorted((key for key in slopes if sum(key) == 1), reverse=True)
+        along = np.stack([slopes[key].ravel() for key in first])
+        metric = np.einsum("acn,bcn->nab", points.tangents, points.tangents)
+        dual = np.linalg.solve(metric, along.T[..., None])[..., 0]
+        normal = -self.flux.on_patch(patch, *parameters) / self.problem.conductivity
+        return np.einsum("acn,na->cn", points.tangents, dual) + normal * points.normal
 
     def heat_rate(self, name: str) -> float:
         """Heat per time that enters the body through the faces of a name."""
@@ -64,4 +90,4 @@ class HeatSolution:
 
 
 def _nothing(patch: int, *parameters: ArrayLike) -> Array:
-    return np.zeros_like(np.asarray(parameters[0], dtype=float))[None]
+    return np.zeros(1)

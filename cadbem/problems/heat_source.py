@@ -12,7 +12,7 @@ known there too.  F is a kernel's entry, computed by Gauss rules along the line.
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import log
 
@@ -21,7 +21,8 @@ import numpy as np
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.kernel import Index, Kernel
-from cadbem.kernels.laplace_3d import LAPLACE_3D
+from cadbem.kernels.laplace_2d import LAPLACE_2D, LAPLACE_GRADIENT_2D
+from cadbem.kernels.laplace_3d import LAPLACE_3D, LAPLACE_GRADIENT_3D
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.space import Space
 from cadbem.spline.basis import Array
@@ -38,8 +39,6 @@ def laplace_kernel(dimension: int, size: float) -> Kernel:
     """
     if dimension == 3:
         return LAPLACE_3D
-    from cadbem.kernels.laplace_2d import LAPLACE_2D
-
     def fill(*arguments: Array) -> None:
         LAPLACE_2D.fill(*arguments)
         arguments[-1][0] += log(size)
@@ -47,66 +46,101 @@ def laplace_kernel(dimension: int, size: float) -> Kernel:
     return replace(LAPLACE_2D, fill=fill)
 
 
-def source_kernel(source: Source, space: Space, size: float, tolerance: float) -> Kernel:
-    """Kernel whose double layer of density 1 is ∫ b G dV, G that of ``laplace_kernel``.
+def gradient_kernel(dimension: int) -> Kernel:
+    """Gradients of G and ∂G/∂n with respect to the target."""
+    return LAPLACE_GRADIENT_3D if dimension == 3 else LAPLACE_GRADIENT_2D
+
+
+@dataclass(frozen=True, eq=False)
+class SourceKernels:
+    """Kernels whose double layers of density 1 are ∫ b G dV and its gradient.
+
+    ``order`` is that of the Gauss rule along a line; G is that of ``laplace_kernel``.
+    """
+
+    source: Source
+    dimension: int
+    size: float
+    order: int
+
+    @property
+    def value(self) -> Kernel:
+        """Kernel of ∫ b G dV."""
+        return self._kernel("heat source", 1, self._value)
+
+    @property
+    def gradient(self) -> Kernel:
+        """Kernel of ∫ b ∇G dV, ∇ with respect to the target."""
+        return self._kernel("heat source, gradient", self.dimension, self._gradient)
+
+    def _kernel(self, name: str, rows: int, entries: Callable[[Array, Array], Array]) -> Kernel:
+        def fill(
+            targets: Array,
+            starts: Index,
+            stops: Index,
+            columns: Index,
+            position: Array,
+            normal: Array,
+            table: Array,
+        ) -> None:
+            lengths = stops - starts
+            target = np.repeat(np.arange(len(lengths)), lengths)
+            place = np.arange(len(target)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
+            chosen = starts[target] + place
+            start, step = targets[:, target], position[:, chosen] - targets[:, target]
+            across = -(step * normal[:, chosen]).sum(axis=0)
+            table[:, columns[target] + place] = across * entries(start, step)
+
+        layout = tuple((i,) for i in range(rows))
+        return Kernel(name, self.dimension, rows, layout, layout, fill)
+
+    def _value(self, start: Array, step: Array) -> Array:
+        """F / r^dim on lines from ``start`` along ``step`` (dim, M); see the top of this file."""
+        _, linear, logarithmic = _line_moments(self.source, self.order, start, step)
+        distance = _distance(step)
+        if self.dimension == 3:
+            return linear / distance
+        return logarithmic - np.log(distance / self.size) * linear
+
+    def _gradient(self, start: Array, step: Array) -> Array:
+        """The same with the gradient of G, e / s^(dim-1)."""
+        constant, _, _ = _line_moments(self.source, self.order, start, step)
+        return constant * step / _distance(step) ** self.dimension
+
+
+def source_kernels(source: Source, space: Space, size: float, tolerance: float) -> SourceKernels:
+    """Kernels of a source in a space's body.
 
     Raises ``ConditionError`` when the source varies too fast along lines through the body.
     """
-    dimension = space.boundary.dimension
     order = _order(source, space.collocation.position, tolerance)
-
-    def fill(
-        targets: Array,
-        starts: Index,
-        stops: Index,
-        columns: Index,
-        position: Array,
-        normal: Array,
-        table: Array,
-    ) -> None:
-        lengths = stops - starts
-        target = np.repeat(np.arange(len(lengths)), lengths)
-        place = np.arange(len(target)) - np.repeat(np.cumsum(lengths) - lengths, lengths)
-        chosen = starts[target] + place
-        start, step = targets[:, target], position[:, chosen] - targets[:, target]
-        across = -(step * normal[:, chosen]).sum(axis=0)
-        moment = _moment(source, order, size, start, step)
-        table[0, columns[target] + place] = across * moment
-
-    return Kernel("heat source", dimension, 1, ((0,),), ((0,),), fill)
+    return SourceKernels(source, space.boundary.dimension, size, order)
 
 
-def _moment(source: Source, order: int, size: float, start: Array, step: Array) -> Array:
-    """F / r^dim on lines from ``start`` along ``step`` (dim, M); see the top of this file."""
-    linear, logarithmic = _line_moments(source, order, start, step)
+def _distance(step: Array) -> Array:
     distance = np.linalg.norm(step, axis=0)
-    distance = np.where(distance > 0, distance, 1.0)  # there the normal part of the step vanishes
-    if len(step) == 3:
-        return linear / distance
-    return logarithmic - np.log(distance / size) * linear
+    return np.where(distance > 0, distance, 1.0)  # at 0 the normal part of the step vanishes
 
 
-def _line_moments(source: Source, order: int, start: Array, step: Array) -> tuple[Array, Array]:
-    """∫₀¹ b t dt and ∫₀¹ b t ln(1/t) dt along lines x = start + t step."""
-    nodes, (first, second) = _line_rule(order)
-    linear, logarithmic = np.zeros(start.shape[1]), np.zeros(start.shape[1])
-    for t, w, v in zip(nodes, first, second, strict=True):
-        values = evaluate(source, start + t * step)
-        linear += w * values
-        logarithmic += v * values
-    return linear, logarithmic
+def _line_moments(source: Source, order: int, start: Array, step: Array) -> Array:
+    """∫₀¹ b w dt for w = 1, t, t ln(1/t) along lines x = start + t step: (3, M)."""
+    nodes, weights = _line_rule(order)
+    moments = np.zeros((3, start.shape[1]))
+    for t, w in zip(nodes, weights.T, strict=True):
+        moments += np.multiply.outer(w, evaluate(source, start + t * step))
+    return moments
 
 
 @lru_cache(maxsize=8)
 def _line_rule(order: int) -> tuple[Array, Array]:
-    """Nodes on [0, 1], weights for t and for t ln(1/t), exact to degree order - 1."""
+    """Nodes on [0, 1] and weights (3, order) of 1, t and t ln(1/t), exact to degree order - 1."""
     nodes, weights = gauss_unit(order)
     # the substitution t = s⁴ leaves a smooth integrand for the moments of Legendre polynomials
     s, w = gauss_unit(order + 40)
     polynomials = np.polynomial.legendre.legvander(2 * s**4 - 1, order - 1)
     moments = (w * 4 * s**3 * s**4 * -4 * np.log(s)) @ polynomials
     table = np.polynomial.legendre.legvander(2 * nodes - 1, order - 1)
-    return nodes, np.stack([weights * nodes, np.linalg.solve(table.T, moments)])
+    return nodes, np.stack([weights, weights * nodes, np.linalg.solve(table.T, moments)])
 
 
 def _order(source: Source, position: Array, tolerance: float) -> int:
@@ -116,9 +150,9 @@ def _order(source: Source, position: Array, tolerance: float) -> int:
     sample = position[:, np.linspace(0, position.shape[1] - 1, SAMPLES).astype(int)]
     start = np.repeat(sample, sample.shape[1], axis=1)
     step = np.tile(sample, sample.shape[1]) - start
-    last = np.array(_line_moments(source, ORDERS[0], start, step))
+    last = _line_moments(source, ORDERS[0], start, step)
     for lower, order in zip(ORDERS, ORDERS[1:], strict=False):
-        moments = np.array(_line_moments(source, order, start, step))
+        moments = _line_moments(source, order, start, step)
         if abs(moments - last).max() <= tolerance * abs(moments).max():
             return lower
         last = moments
