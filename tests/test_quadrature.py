@@ -35,16 +35,16 @@ def near_rule(surface, target, tolerance, own=None):
     capacity = 100_000
     position, normal, weight = np.empty((3, capacity)), np.empty((3, capacity)), np.empty(capacity)
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
-    starts = np.empty(len(nets) + 1, dtype=np.int64)
+    starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((3, len(nets)))
     done = near.place_nodes(
         nets, index, 0, *closest, tolerance, near.gauss_table(),
-        starts, position, normal, weight, bu, bv,
+        starts, foot, position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)
     owner = np.repeat(index, np.diff(starts))
     count = starts[-1]
     function = np.einsum("kij,ik,jk->k", nets[owner, :, :, 3], bu[:, :count], bv[:, :count])
-    return position[:, :count], weight[:count] * function
+    return position[:, :count] + foot[:, owner], weight[:count] * function
 
 
 def distance(position, target):

@@ -247,7 +247,7 @@ def _near(
     p, q = panels.surface.degrees
     dim, capacity = targets.position.shape[0], NODE_CAPACITY
     position, normal = np.empty((dim, capacity)), np.empty((dim, capacity))
-    weight = np.empty(capacity)
+    weight, foot = np.empty(capacity), np.empty((dim, len(close_target)))
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     u, v, distance = map(np.ascontiguousarray, closest)
@@ -255,11 +255,12 @@ def _near(
     while done < len(close_target):
         count = near.place_nodes(
             panels.flat_nets, close_panel, done, u, v, distance, quadrature.tolerance, gauss,
-            starts, position, normal, weight, bu, bv,
+            starts, foot, position, normal, weight, bu, bv,
         )  # fmt: skip
         rows = close_target[done : done + count]
         part = starts[: count + 1]
-        here = np.ascontiguousarray(targets.position[:, rows])
+        here = targets.position[:, rows] - foot[:, :count]
+        here[:, distance[done : done + count] == 0.0] = 0.0
         table = kernel.rows_of(here, part, position[:, : part[-1]], normal[:, : part[-1]])
         moments = np.empty((count, kernel.entries, p + 1, q + 1))
         near.moments(part, table, weight, bu, bv, moments)

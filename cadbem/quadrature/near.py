@@ -169,21 +169,54 @@ def line_nodes(net, u, distance, tolerance, gauss, nodes, work):
 
 
 @njit(cache=True, nogil=True)
+def _part_from(net, u, foot, part):
+    """Control points w (x - foot) of the longer part of a curve's panel from u to an end.
+
+    The first one is the foot itself, hence zero: so differences of points near the foot, of
+    which the double layer divides the square, keep their digits.
+    """
+    p, dim = net.shape[0] - 1, net.shape[2] - 1
+    share = min(u, 1.0 - u)
+    for i in range(p + 1):
+        j = i if u <= 0.5 else p - i
+        for c in range(dim):
+            part[i, c] = net[j, 0, c] - net[j, 0, dim] * foot[c]
+    for level in range(p):
+        for i in range(p - level):
+            for c in range(dim):
+                part[i, c] += share * (part[i + 1, c] - part[i, c])
+    part[0] = 0.0
+
+
+@njit(cache=True, nogil=True)
+def _evaluate_part(part, u, t, weight, values, slopes, point):
+    """Point of a panel at t relative to its foot at u, also on the shorter part."""
+    along = (t - u) / (1.0 - u) if u <= 0.5 else (u - t) / u
+    fill_bernstein(part.shape[0] - 1, along, values, slopes)
+    point[:] = 0.0
+    for i in range(1, part.shape[0]):
+        for c in range(part.shape[1]):
+            point[c] += values[i] * part[i, c] / weight
+
+
+@njit(cache=True, nogil=True)
 def place_nodes(
     nets, panel_of, first, u, v, distance, tolerance, gauss,
-    starts, position, normal, weight, bu, bv,
+    starts, foot, position, normal, weight, bu, bv,
 ):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
-    ``u``, ``v``, ``distance`` give each pair's closest point.  Tables: ``position`` and
-    ``normal`` (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the panel's
-    weight function; Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity);
-    ``starts`` (pairs + 1,) offsets.  Returns the number of pairs done.
+    ``u``, ``v``, ``distance`` give each pair's closest point, whose place in space goes to
+    ``foot`` (dim, pairs).  Tables: ``position``, relative to the foot, and ``normal``
+    (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the panel's weight function;
+    Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity); ``starts`` (pairs + 1,)
+    offsets.  Returns the number of pairs done.
     """
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, position.shape[0]
     lu, su, lv, sv = np.empty(p + 1), np.empty(p + 1), np.empty(q + 1), np.empty(q + 1)
     point, tu, tv, unit = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
-    work = (lu, su, lv, sv, point, tu, tv)
+    work, part = (lu, su, lv, sv, point, tu, tv), np.empty((p + 1, dim))
+    lp = np.empty(p + 1)
     nodes = np.empty((3, position.shape[1]))
     starts[0] = 0
     used = done = 0
@@ -196,10 +229,18 @@ def place_nodes(
             count = polar_nodes(net, u[k], v[k], distance[k], tolerance, gauss, room, work)
         if count < 0:
             break
+        _frame(net, u[k], v[k], lu, su, lv, sv, point, tu, tv)
+        foot[:, done] = point
+        if dim == 2:
+            _part_from(net, u[k], foot[:, done], part)
         for m in range(count):
             fill_bernstein(p, nodes[0, m], lu, su)
             fill_bernstein(q, nodes[1, m], lv, sv)
             w = evaluate_panel(net, lu, lv, su, sv, point, tu, tv)
+            if dim == 2:
+                _evaluate_part(part, u[k], nodes[0, m], w, lp, su, point)
+            else:
+                point -= foot[:, done]
             weight[used + m] = nodes[2, m] * area_vector(tu, tv, unit) / w
             for c in range(dim):
                 position[c, used + m] = point[c]
