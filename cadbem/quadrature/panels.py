@@ -11,6 +11,9 @@ from math import sqrt
 import numpy as np
 from numba import njit
 
+POINT = 1e-7  # share of a panel below which an edge counts as a point, and a distance to it as 0
+APPROACH = 0.9  # share of the way to such an edge that a step may go
+
 
 @njit(cache=True, nogil=True)
 def fill_bernstein(degree, t, values, slopes):
@@ -81,15 +84,22 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
 
     Starts from the nearest of ``samples`` (E, S, dim) at parameters sample_u, sample_v (S,),
     then Gauss-Newton held in the unit square.  ``result`` (3, pairs): u, v, distance.
+
+    On an edge that is a point (a pole) one parameter means nothing, and a step from there would
+    not change it: such edges are only approached.
     """
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, targets.shape[0]
     bu, du = np.empty(p + 1), np.empty(p + 1)
     bv, dv = np.empty(q + 1), np.empty(q + 1)
     point, tu, tv, trial = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    low, high = np.empty(2), np.empty(2)
     for k in range(len(target_of)):
         net, t = nets[panel_of[k]], target_of[k]
         best, square = 0, np.inf
+        _open_square(net, low, high)
         for s in range(samples.shape[1]):
+            if not (low[0] <= sample_u[s] <= high[0] and low[1] <= sample_v[s] <= high[1]):
+                continue
             distance = 0.0
             for c in range(dim):
                 distance += (samples[panel_of[k], s, c] - targets[c, t]) ** 2
@@ -101,6 +111,14 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
             fill_bernstein(q, v, bv, dv)
             evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
             step_u, step_v = _step(u, v, point, tu, tv, targets[:, t])
+            if low[0] > 0.0:
+                step_u = max(step_u, -APPROACH * u)
+            if high[0] < 1.0:
+                step_u = min(step_u, APPROACH * (1.0 - u))
+            if low[1] > 0.0:
+                step_v = max(step_v, -APPROACH * v)
+            if high[1] < 1.0:
+                step_v = min(step_v, APPROACH * (1.0 - v))
             scale, accepted = 1.0, False
             for _ in range(12):
                 new_u = min(max(u + scale * step_u, 0.0), 1.0)
@@ -121,7 +139,35 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
             u, v, square = new_u, new_v, distance
             if moved < 1e-12:
                 break
+        u = 0.0 if u < low[0] else (1.0 if u > high[0] else u)
+        v = 0.0 if v < low[1] else (1.0 if v > high[1] else v)
         result[0, k], result[1, k], result[2, k] = u, v, sqrt(square)
+
+
+@njit(cache=True, nogil=True)
+def _open_square(net, low, high):
+    """Bounds of u and v (2,) that leave out the edges of a panel that are points."""
+    p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
+    low[:], high[:] = 0.0, 1.0
+    west = east = south = north = size = 0.0
+    for c in range(dim):
+        corner = net[0, 0, c] / net[0, 0, dim]
+        for i in range(p + 1):
+            south += abs(net[i, 0, c] / net[i, 0, dim] - corner)
+            north += abs(net[i, q, c] / net[i, q, dim] - net[0, q, c] / net[0, q, dim])
+            for j in range(q + 1):
+                size = max(size, abs(net[i, j, c] / net[i, j, dim] - corner))
+        for j in range(q + 1):
+            west += abs(net[0, j, c] / net[0, j, dim] - corner)
+            east += abs(net[p, j, c] / net[p, j, dim] - net[p, 0, c] / net[p, 0, dim])
+    if q > 0 and west < POINT * size:
+        low[0] = POINT
+    if q > 0 and east < POINT * size:
+        high[0] = 1.0 - POINT
+    if p > 0 and south < POINT * size:
+        low[1] = POINT
+    if p > 0 and north < POINT * size:
+        high[1] = 1.0 - POINT
 
 
 @njit(cache=True, nogil=True)
