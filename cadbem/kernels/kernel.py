@@ -27,7 +27,8 @@ class Kernel:
 
     ``free_term`` is what the double layer makes of a constant density at a smooth point of a
     closed boundary, normals into the domain; inside it is twice that, outside zero.  Kernels of
-    derivatives (pressure, gradient) make nothing of a constant.
+    derivatives (pressure, gradient) make nothing of a constant.  An ``invariant`` kernel depends
+    on differences of positions only, and may be asked with shifted ones.
     """
 
     name: str
@@ -37,6 +38,7 @@ class Kernel:
     double: Layout
     fill: Callable[..., None]
     free_term: float = 0.0
+    invariant: bool = True
 
     @property
     def rows(self) -> int:

@@ -261,6 +261,9 @@ def _near(
         part = starts[: count + 1]
         here = targets.position[:, rows] - foot[:, :count]
         here[:, distance[done : done + count] == 0.0] = 0.0
+        if not kernel.invariant:
+            here += foot[:, :count]
+            position[:, : part[-1]] += np.repeat(foot[:, :count], np.diff(part), axis=1)
         table = kernel.rows_of(here, part, position[:, : part[-1]], normal[:, : part[-1]])
         moments = np.empty((count, kernel.entries, p + 1, q + 1))
         near.moments(part, table, weight, bu, bv, moments)

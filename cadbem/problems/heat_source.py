@@ -92,7 +92,7 @@ class SourceKernels:
             table[:, columns[target] + place] = across * entries(start, step)
 
         layout = tuple((i,) for i in range(rows))
-        return Kernel(name, self.dimension, rows, layout, layout, fill)
+        return Kernel(name, self.dimension, rows, layout, layout, fill, invariant=False)
 
     def _value(self, start: Array, step: Array) -> Array:
         """F / r^dim on lines from ``start`` along ``step`` (dim, M); see the top of this file."""
