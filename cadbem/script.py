@@ -6,7 +6,7 @@ import argparse
 import inspect
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from cadbem.errors import CadbemError
 
@@ -14,10 +14,11 @@ from cadbem.errors import CadbemError
 def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
     """Call ``main`` with its defaults, changed by options of the command line.
 
-    The type of a default is the type of its option; ``output`` also answers to -o.  The first
-    line of main's module is the help text.
+    The type of a default is the type of its option; ``output`` also answers to -o.  The text at
+    the top of main's module is the help text.  Mistakes in the input end the process with one
+    line and exit code 2.
     """
-    parser = argparse.ArgumentParser(
+    parser = _Parser(
         description=(inspect.getmodule(main).__doc__ or "").strip(),  # type: ignore[union-attr]
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
@@ -31,7 +32,17 @@ def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
             metavar=name.upper(),
             help=f"default: {parameter.default}",
         )
-    return main(**vars(parser.parse_args(arguments)))
+    try:
+        return main(**vars(parser.parse_args(arguments)))
+    except CadbemError as error:
+        parser.exit(2, f"cadbem: {error}\n")
+
+
+class _Parser(argparse.ArgumentParser):
+    """An unknown option is a mistake in the input, told in one line."""
+
+    def error(self, message: str) -> NoReturn:
+        raise CadbemError(f"{self.prog}: {message}; --help lists the options")
 
 
 def fresh_folder(path: str | Path) -> Path:

@@ -28,5 +28,5 @@ def warm_up(progress: bool = True) -> None:
         lambda: problem.solve().velocity_at(points),
         lambda: problem.solve().pressure_at(points),
     )
-    for step in tqdm(steps, desc="compiling", disable=not progress):
+    for step in tqdm(steps, desc="compiling", disable=None if progress else True):
         step()

@@ -94,7 +94,14 @@ def _finished(command: list[str], folder: Path, time_limit: float, name: str) ->
     start = monotonic()
     with (
         Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, cwd=folder) as process,
-        tqdm(desc=f"{name}: CAD kernel", unit="s", total=time_limit, delay=2, leave=False) as bar,
+        tqdm(
+            desc=f"{name}: CAD kernel",
+            unit="s",
+            total=time_limit,
+            delay=2,
+            leave=False,
+            disable=None,
+        ) as bar,
     ):
         try:
             while True:

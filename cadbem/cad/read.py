@@ -58,7 +58,7 @@ def oriented(boundary: Boundary) -> Boundary:
 
 def _all_patches(model: CadModel) -> list[Patch]:
     patches, refused = [], []
-    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False):
+    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
         try:
             patches += model.patches(face)
         except CadError:

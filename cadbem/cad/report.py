@@ -65,7 +65,7 @@ def inspect_cad(path: str | Path, *, time_limit: float = 60.0) -> CadReport:
     model = open_model(path, time_limit)
     patches: dict[int, list[Patch]] = {}
     reports = []
-    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False):
+    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
         report, patches[face.number] = _examined(model, face)
         reports.append(report)
     problems = [*model.obstacles(), *(r.problem for r in reports if r.problem)]
@@ -126,7 +126,7 @@ def _largest_gap(model: CadModel, patches: dict[int, list[Patch]]) -> float:
         key for face in model.faces for key in {u.key for loop in face.loops for u in loop}
     )
     gap = 0.0
-    for face in tqdm(model.faces, desc=f"{model.file}: gaps", delay=2, leave=False):
+    for face in tqdm(model.faces, desc=f"{model.file}: gaps", delay=2, leave=False, disable=None):
         uses = [use for loop in face.loops for use in loop if counts[use.key] > 1]
         points = [points_on(use).T for use in uses if use.curve is not None]
         if points:

@@ -124,4 +124,4 @@ def _run(
 
 
 def _progress(futures: list, label: str) -> Iterable:
-    return tqdm(futures, desc=label, delay=2.0, leave=False)
+    return tqdm(futures, desc=label, delay=2.0, leave=False, disable=None)

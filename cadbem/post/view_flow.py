@@ -34,6 +34,7 @@ from cadbem.post.style import (
 )
 from cadbem.spline.basis import Array
 
+AXES_ROOM = (0.12, 0.0)  # share of a panel kept free for the axes and at the top
 
 def draw_slices(
     grid: Any, boundary: Boundary, path: str | Path, *, sections: int = 7, size: Size = (1800, 1300)
@@ -60,7 +61,7 @@ def draw_slices(
             for plane in planes:
                 bars[quantity] = _add_colours(plotter, grid, plane, quantity)
             add_channel(plotter, boundary, view)
-            aim(plotter, view, extent)
+            aim(plotter, view, extent, AXES_ROOM)
             add_axes(plotter)
         _add_bars(plotter, bars, boundary, extent)
     return Path(path)

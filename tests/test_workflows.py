@@ -1,0 +1,52 @@
+"""Workflows, run coarse: each makes its files and gets one physical number right."""
+
+import sys
+from pathlib import Path
+
+import pytest
+
+import cadbem as cb
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "workflows"))
+
+import square_channel  # noqa: E402
+import y_junction_flow  # noqa: E402
+
+PICTURES = {"faces.png", "collocation.png", "traction.png", "slices.png", "streamlines.png"}
+
+
+def test_square_channel(tmp_path):
+    """The exact gradient within 1 % from 256 points."""
+    solution = cb.run(
+        square_channel.main, ["-o", str(tmp_path), "--spans", "3", "--mesh-size", "0.3"]
+    )
+    drop = solution.mean_pressure("inlet") - solution.mean_pressure("outlet")
+    assert -drop / 2 == pytest.approx(square_channel.EXACT_GRADIENT, rel=0.01)
+    assert {p.name for p in tmp_path.iterdir()} == PICTURES | {"volume.vtu"}
+
+
+def test_y_junction(tmp_path):
+    """Both inlets see the same pressure (mirror symmetry) to 1e-8, and what enters leaves."""
+    solution = cb.run(
+        y_junction_flow.main, ["-o", str(tmp_path), "--spans", "4", "--mesh-size", "1.5"]
+    )
+    a, b = solution.mean_pressure("inlet_a"), solution.mean_pressure("inlet_b")
+    assert a == pytest.approx(b, rel=1e-8)
+    assert solution.flow_rate("outlet") == pytest.approx(-96, rel=3e-3)
+    assert {p.name for p in tmp_path.iterdir()} == PICTURES | {"volume.vtu", "walls.vtu"}
+
+
+def test_results_are_never_overwritten(tmp_path):
+    first = cb.fresh_folder(tmp_path / "run")
+    (first / "kept").write_text("kept")
+    assert cb.fresh_folder(tmp_path / "run").name == "run-2"
+    (tmp_path / "file").write_text("")
+    with pytest.raises(cb.CadbemError, match="no folder for results"):
+        cb.fresh_folder(tmp_path / "file" / "run")
+
+
+def test_wrong_options_are_told_in_one_line(capsys):
+    with pytest.raises(SystemExit) as end:
+        cb.run(square_channel.main, ["--span", "x"])
+    assert end.value.code == 2
+    assert capsys.readouterr().err.count("\n") == 1
