@@ -140,7 +140,7 @@ def line_nodes(net, u, distance, tolerance, gauss, nodes, work):
     """As ``polar_nodes`` for a panel of a curve: nodes to either side of the closest point."""
     bu, du, bv, dv, point, tu, tv = work
     speed = sqrt(_frame(net, u, 0.0, bu, du, bv, dv, point, tu, tv)[0])
-    digits, degree = -log(tolerance) + 2.0, net.shape[0] - 1
+    digits, degree = -log(tolerance) + 5.0, net.shape[0] - 1
     count = 0
     for side in (-1.0, 1.0):
         span = u if side < 0.0 else 1.0 - u
