@@ -30,6 +30,7 @@ from cadbem.spline.basis import Array
 KINDS = (Temperature, HeatFlux, SurfaceExchange)
 UPDATE = 1e-12  # Newton stops when the update is this small against the temperature
 MOST_STEPS = 60
+BELOW_ZERO = 1e-3  # share of the largest value that may be lost to discretisation
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +41,7 @@ class HeatProblem:
     volume and time, a number or a function of positions (dim, N) -> (N,), which is also asked
     outside a body that is not convex.  Raises ``ConditionError`` for a face without a condition,
     a condition without a face, a temperature that is left open, and, when solved, for a source
-    that varies too fast or radiation that is not balanced.
+    that varies too fast, or radiation that finds no balance above absolute zero.
     """
 
     boundary: Boundary
@@ -131,7 +132,7 @@ class HeatProblem:
 
         The temperature's coefficients on the radiating patches alone are c = base + response g,
         linear in g; with N the functions at the collocation points, N g = slope N c - f(N c).
-        Raises ``ConditionError`` when it does not converge.
+        Raises ``ConditionError`` when it does not converge to absolute temperatures.
         """
         basis = block_diag(*map(self.space.collocation_matrix, patches))
         values = np.full(len(base), max(abs(basis @ base).max(), self._hottest_ambient(patches)))
@@ -144,13 +145,21 @@ class HeatProblem:
             jacobian = np.eye(len(base)) - response @ (slope * np.eye(len(base)) - inner)
             update = np.linalg.solve(jacobian, gap)
             control = control - update
-            values = basis @ control
-            if np.linalg.norm(basis @ update) <= UPDATE * np.linalg.norm(values):
+            if np.linalg.norm(basis @ update) <= UPDATE * np.linalg.norm(basis @ control):
+                values = self._absolute(basis @ control)
                 return slope * control - np.linalg.solve(basis, self._losses(patches, values)[0])
         raise ConditionError(
             f"the radiation is not balanced after {MOST_STEPS} Newton steps; "
             "check that temperatures are absolute and the units of SurfaceExchange"
         )
+
+    def _absolute(self, values: Array) -> Array:
+        if values.min() < -BELOW_ZERO * abs(values).max():
+            raise ConditionError(
+                f"radiating faces reach {values.min():.4g}, below absolute zero: more heat is "
+                "taken out than they receive; check the sign of HeatFlux (positive: into the body)"
+            )
+        return values
 
     def _exchange(self, patch: int) -> SurfaceExchange:
         condition = self.conditions[self.boundary.patches[patch].name]

@@ -13,11 +13,14 @@ from cadbem.kernels.kernel import Kernel
 from cadbem.points import surface_points
 from cadbem.problems.heat_source import gradient_kernel, total_source
 from cadbem.problems.mixed import patches_named, represent
+from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
 
 if TYPE_CHECKING:
     from cadbem.problems.heat import HeatProblem
+
+FINER = 1e3  # how much finer gradients are integrated
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,27 +43,38 @@ class HeatSolution:
         """
         sources = self.problem.source_kernels
         source = None if sources is None else sources.value
-        return self._at(self.problem.kernel, source, points, self.temperature.on_patch)[0]
+        kernel, quadrature = self.problem.kernel, self.problem.quadrature
+        return self._at(kernel, source, points, quadrature, self.temperature.on_patch)[0]
 
     def heat_flux_at(self, points: ArrayLike) -> Array:
-        """Flux of heat -k ∇φ (dim, M) at points (dim, M) in the body or on its boundary."""
+        """Flux of heat -k ∇φ (dim, M) at points (dim, M) in the body or on its boundary.
+
+        Close to the boundary, at a distance d, the tolerance of ``quadrature`` counts 1/d fold.
+        """
         sources = self.problem.source_kernels
         source = None if sources is None else sources.gradient
         kernel, k = gradient_kernel(self.space.boundary.dimension), self.problem.conductivity
-        return -k * self._at(kernel, source, points, self._surface_gradient)
+        # these kernels are more singular than those that the tolerance is meant for
+        finer = Quadrature(max(self.problem.quadrature.tolerance / FINER, 1e-14))
+        return -k * self._at(kernel, source, points, finer, self._surface_gradient)
 
     def _at(
-        self, kernel: Kernel, source: Kernel | None, points: ArrayLike, on_patch: Callable
+        self,
+        kernel: Kernel,
+        source: Kernel | None,
+        points: ArrayLike,
+        quadrature: Quadrature,
+        on_patch: Callable,
     ) -> Array:
         problem, space = self.problem, self.space
         solid_angle = 2 * problem.kernel.free_term
         heat = 1 / (solid_angle * problem.conductivity)
         single = heat * self.flux.coefficients
         double = self.temperature.coefficients / solid_angle
-        result = represent(kernel, space, points, problem.quadrature, single, double, on_patch)
+        result = represent(kernel, space, points, quadrature, single, double, on_patch)
         if source is not None:
             ones = np.full_like(double, heat)
-            result += represent(source, space, points, problem.quadrature, 0 * ones, ones, _nothing)
+            result += represent(source, space, points, quadrature, 0 * ones, ones, _nothing)
         return result
 
     def _surface_gradient(self, patch: int, *parameters: ArrayLike) -> Array:
