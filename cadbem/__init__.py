@@ -32,6 +32,11 @@ if TYPE_CHECKING:
     from cadbem.problems.conditions import Pressure as Pressure
     from cadbem.problems.conditions import Traction as Traction
     from cadbem.problems.conditions import Velocity as Velocity
+    from cadbem.problems.heat import HeatProblem as HeatProblem
+    from cadbem.problems.heat_conditions import HeatFlux as HeatFlux
+    from cadbem.problems.heat_conditions import SurfaceExchange as SurfaceExchange
+    from cadbem.problems.heat_conditions import Temperature as Temperature
+    from cadbem.problems.heat_solution import HeatSolution as HeatSolution
     from cadbem.problems.solution import StokesSolution as StokesSolution
     from cadbem.problems.stokes import StokesProblem as StokesProblem
     from cadbem.quadrature.options import Quadrature as Quadrature
@@ -59,6 +64,9 @@ _NAMES = {
         "write_vtu",
     ),
     "problems.conditions": ("Inflow", "NoSlip", "Pressure", "Traction", "Velocity"),
+    "problems.heat": ("HeatProblem",),
+    "problems.heat_conditions": ("HeatFlux", "SurfaceExchange", "Temperature"),
+    "problems.heat_solution": ("HeatSolution",),
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
     "quadrature.options": ("Quadrature",),
