@@ -36,6 +36,7 @@ class Plot:
 def draw_plots(path: str | Path, plots: Sequence[Plot]) -> None:
     """Save plots side by side as a picture whose format is the ending of ``path``."""
     from matplotlib.figure import Figure
+    from matplotlib.ticker import LogLocator
 
     figure = Figure(figsize=(5.5 * len(plots), 4.2), layout="constrained")
     for axes, plot in zip(np.ravel(figure.subplots(1, len(plots))), plots, strict=True):
@@ -51,6 +52,9 @@ def draw_plots(path: str | Path, plots: Sequence[Plot]) -> None:
         axes.set(xlabel=plot.x_label, ylabel=plot.y_label)
         if plot.logarithmic:
             axes.set(xscale="log", yscale="log")
+            axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 3, 5)))
+            axes.xaxis.set_major_formatter("{x:g}")
+            axes.xaxis.set_minor_formatter("")
         if any(c.label for c in plot.curves):
             axes.legend(frameon=False)
         axes.grid(alpha=0.3)
