@@ -54,6 +54,13 @@ def area_vector(*tangents: Array) -> Array:
     return np.cross(tangents[0], tangents[1], axis=0)
 
 
+def moment(arm: Array, force: Array) -> Array:
+    """arm × force (3, N) of vectors (3, N); in a plane its only component (1, N)."""
+    if len(arm) == 2:
+        return (arm[0] * force[1] - arm[1] * force[0])[None]
+    return np.cross(arm, force, axis=0)
+
+
 def dual_tangents(*tangents: Array) -> list[Array]:
     """Vectors in the tangent plane with products 1 and 0 with the tangents."""
     if len(tangents) == 1:

@@ -40,11 +40,10 @@ class Surface:
 
 def closed_surfaces(boundary: Boundary) -> list[Surface]:
     """The connected surfaces of a boundary; patches with a common corner are connected."""
-    corners = np.array(
-        [p.surface.points[i, j] for p in boundary.patches for i, j in product((0, -1), repeat=2)]
-    )
+    ends = list(product((0, -1), repeat=boundary.dimension - 1))
+    corners = np.array([p.surface.points[i] for p in boundary.patches for i in ends])
     size = float(np.linalg.norm(np.ptp(boundary.bounds(), axis=0)))
-    pairs = cKDTree(corners).query_pairs(SAME_CORNER * size, output_type="ndarray") // 4
+    pairs = cKDTree(corners).query_pairs(SAME_CORNER * size, output_type="ndarray") // len(ends)
     count = len(boundary.patches)
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
     number, label = connected_components(graph, directed=False)
@@ -59,7 +58,7 @@ def _surface(boundary: Boundary, indices: tuple[int, ...]) -> Surface:
 
 
 def point_inside(boundary: Boundary, body: Surface) -> Array:
-    """A point (3,) inside a body: the middle of its box or, if that is outside, one below the
+    """A point (dim,) inside a body: the middle of its box or, if that is outside, one below the
     surface."""
     part = Boundary(tuple(boundary.patches[i] for i in body.patches))
     points, weights = part.quadrature()
@@ -72,6 +71,8 @@ def point_inside(boundary: Boundary, body: Surface) -> Array:
 
     def solid_angle(point: Array) -> float:
         r = points.position - point[:, None]
-        return float((r * points.normal).sum(axis=0) / np.linalg.norm(r, axis=0) ** 3 @ weights)
+        distance = np.linalg.norm(r, axis=0)
+        return float((r * points.normal).sum(axis=0) / distance**boundary.dimension @ weights)
 
-    return max(candidates, key=lambda point: -abs(solid_angle(point) - 4 * np.pi))
+    around = 2 * (boundary.dimension - 1) * np.pi
+    return max(candidates, key=lambda point: -abs(solid_angle(point) - around))

@@ -1,7 +1,7 @@
 """Boundary conditions of Stokes flow, as values.
 
 A condition splits the velocity and the traction on a patch into known parts and an unknown with
-three components (see ``mixed``).
+as many components (see ``mixed``).  Vectors have dim = 2 or 3 components, like the boundary.
 """
 
 from __future__ import annotations
@@ -17,8 +17,6 @@ from cadbem.problems.profiles import Port
 from cadbem.spline.basis import Array
 
 Vector = Sequence[float] | Array
-Nothing = np.zeros((3, 3))
-All = np.eye(3)
 
 
 @dataclass(frozen=True)
@@ -28,7 +26,7 @@ class NoSlip:
 
 @dataclass(frozen=True)
 class Velocity:
-    """Velocity given as a vector (3,), or as a function of positions (3, N) -> (3, N)."""
+    """Velocity given as a vector (dim,), or as a function of positions (dim, N) -> (dim, N)."""
 
     value: Vector | Callable[[Array], Array]
 
@@ -37,8 +35,9 @@ class Velocity:
 class Inflow:
     """Fully developed flow through a flat rectangular or round opening, along its normal.
 
-    Give either ``mean_velocity`` (length/time) or ``flow_rate`` (volume/time), positive into
-    the fluid.  Raises ``ConditionError`` when both or none are given.
+    In a plane it is the flow between parallel plates.  Give either ``mean_velocity``
+    (length/time) or ``flow_rate`` (volume/time; area/time in a plane), positive into the fluid.
+     Raises ``ConditionError`` when both or none are given.
     """
 
     mean_velocity: float | None = None
@@ -68,29 +67,33 @@ class Pressure:
 
 @dataclass(frozen=True)
 class Traction:
-    """Traction f = σ·n given as a vector (3,), n into the fluid; zero: a free jet's opening."""
+    """Traction f = σ·n given as a vector (dim,), n into the fluid; zero: a free jet's opening."""
 
-    value: Vector = (0.0, 0.0, 0.0)
+    value: Vector | float = 0.0
 
 
 @dataclass(frozen=True)
 class RigidMotion:
     """A body that moves without deforming: u = velocity + angular_velocity × (x - centre).
 
-    All three are vectors (3,); the angular velocity is in radians per time.
+    All three are vectors (3,), or numbers for all components; the angular velocity is in radians
+    per time.  In a plane it is one number, counter-clockwise, the others are vectors (2,).
     """
 
-    velocity: Vector = (0.0, 0.0, 0.0)
-    angular_velocity: Vector = (0.0, 0.0, 0.0)
-    centre: Vector = (0.0, 0.0, 0.0)
+    velocity: Vector | float = 0.0
+    angular_velocity: Vector | float = 0.0
+    centre: Vector | float = 0.0
 
     def at(self, position: Array) -> Array:
-        """Velocity (3, N) at positions (3, N)."""
+        """Velocity (dim, N) at positions (dim, N)."""
         shift, turn, centre = (
-            np.asarray(v, dtype=float)[:, None]
+            np.asarray(v, dtype=float).reshape(-1, 1)
             for v in (self.velocity, self.angular_velocity, self.centre)
         )
-        return shift + np.cross(turn, position - centre, axis=0)
+        arm = position - centre
+        if len(position) == 2:
+            return shift + turn * np.stack([-arm[1], arm[0]])
+        return shift + np.cross(np.broadcast_to(turn, arm.shape), arm, axis=0)
 
 
 Condition = NoSlip | Velocity | Inflow | Pressure | Traction | RigidMotion
@@ -100,52 +103,53 @@ Condition = NoSlip | Velocity | Inflow | Pressure | Traction | RigidMotion
 class Background:
     """Flow far from all bodies in unbounded fluid: a Stokes flow without singularities.
 
-    ``velocity`` as a vector (3,) or a function of positions (3, N) -> (3, N); ``pressure`` as a
-    number or a function (3, N) -> (N,).
+    ``velocity`` as a vector (dim,) or a function of positions (dim, N) -> (dim, N); ``pressure``
+    as a number or a function (dim, N) -> (N,).
     """
 
-    velocity: Vector | Callable[[Array], Array] = (0.0, 0.0, 0.0)
+    velocity: Vector | float | Callable[[Array], Array] = 0.0
     pressure: float | Callable[[Array], Array] = 0.0
 
     def velocity_at(self, position: Array) -> Array:
-        """Velocity (3, N) at positions (3, N)."""
+        """Velocity (dim, N) at positions (dim, N)."""
         if callable(self.velocity):
             return np.asarray(self.velocity(position))
-        vector = np.asarray(self.velocity, dtype=float).reshape(3, 1)
+        vector = np.asarray(self.velocity, dtype=float).reshape(-1, 1)
         return np.broadcast_to(vector, position.shape)
 
     def pressure_at(self, position: Array) -> Array:
-        """Pressure (N,) at positions (3, N)."""
+        """Pressure (N,) at positions (dim, N)."""
         if callable(self.pressure):
             return np.asarray(self.pressure(position))
         return np.full(position.shape[1], self.pressure)
 
 
-def split(condition: Condition, opening: Port | None) -> Split:
+def split(condition: Condition, opening: Port | None, dimension: int) -> Split:
     """What a condition means on a patch; ``opening`` for those that need a flat one."""
+    none, all_ = np.zeros((dimension, dimension)), np.eye(dimension)
     match condition:
         case NoSlip():
-            return Split(None, None, Nothing, All)
+            return Split(None, None, none, all_)
         case Velocity(value):
-            return Split(_given(value), None, Nothing, All)
+            return Split(_given(value), None, none, all_)
         case RigidMotion():
-            return Split(_given(condition.at), None, Nothing, All)
+            return Split(_given(condition.at), None, none, all_)
         case Traction(value):
-            return Split(None, _given(value), All, Nothing)
+            return Split(None, _given(value), all_, none)
         case Inflow():
             assert opening is not None
-            return Split(_inflow(condition, opening), None, Nothing, All)
+            return Split(_inflow(condition, opening), None, none, all_)
         case Pressure(value):
             assert opening is not None
             normal = opening.normal[:, None]
             along = normal @ normal.T
-            return Split(None, _given(-value * opening.normal), along, All - along)
+            return Split(None, _given(-value * opening.normal), along, all_ - along)
 
 
-def _given(value: Vector | Callable[[Array], Array]) -> Given:
+def _given(value: Vector | float | Callable[[Array], Array]) -> Given:
     if callable(value):
         return lambda points: np.asarray(value(points.position))
-    vector = np.asarray(value, dtype=float).reshape(3, 1)
+    vector = np.asarray(value, dtype=float).reshape(-1, 1)
     return lambda points: np.broadcast_to(vector, points.position.shape)
 
 

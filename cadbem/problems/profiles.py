@@ -1,4 +1,4 @@
-"""Fully developed velocity profiles of ports, exact for rectangles and circles."""
+"""Fully developed velocity profiles of ports, exact for rectangles, circles and plane gaps."""
 
 from __future__ import annotations
 
@@ -55,9 +55,17 @@ def circle_profile(radius: Array, outer: float) -> Array:
     return 2 * (1 - (radius / outer) ** 2)
 
 
+def plates_profile(distance: Array, gap: float) -> Array:
+    """Velocity over mean velocity between plates, at a distance from the middle."""
+    return 1.5 * (1 - (2 * distance / gap) ** 2)
+
+
 @dataclass(frozen=True, eq=False)
 class Port:
-    """A flat opening: ``centre`` and unit ``normal`` (3,) into the fluid, and ``area``."""
+    """A flat opening: ``centre`` and unit ``normal`` (dim,) into the fluid, and ``area``.
+
+    ``outline`` (dim, N) are points on its edge; in a plane the area is a length.
+    """
 
     name: str
     centre: Array
@@ -66,11 +74,14 @@ class Port:
     outline: Array
 
     def profile(self) -> Callable[[Array], Array]:
-        """Velocity over mean velocity at points (3, N) of the port.
+        """Velocity over mean velocity at points (dim, N) of the port.
 
-        Raises ``ConditionError`` when the port is neither a rectangle nor a circle.
+        Raises ``ConditionError`` when the port is neither a rectangle nor a circle, or in a plane
+        when it is not one segment.
         """
         radius = float(np.linalg.norm(self.outline - self.centre[:, None], axis=0).max())
+        if len(self.centre) == 2:
+            return self._between_plates(radius)
         if abs(np.pi * radius**2 / self.area - 1) < 1e-6:
             disc = np.sqrt(self.area / np.pi)
             return lambda x: circle_profile(
@@ -84,6 +95,16 @@ class Port:
             )
         axes, middle, sides = rectangle
         return lambda x: rectangle_profile(*(axes @ x - middle[:, None]), *sides)
+
+    def _between_plates(self, radius: float) -> Callable[[Array], Array]:
+        if abs(2 * radius / self.area - 1) > 1e-6:
+            raise ConditionError(
+                f"'{self.name}' is not one straight segment, so its developed profile is not "
+                "known; name one opening only, or give Velocity(function) on it"
+            )
+        return lambda x: plates_profile(
+            np.linalg.norm(x - self.centre[:, None], axis=0), self.area
+        )
 
     def _rectangle(self) -> tuple[Array, Array, Array] | None:
         """Axes (2, 3), middle along them and side lengths, if the port fills its smallest box."""
@@ -104,7 +125,7 @@ class Port:
 def port(name: str, patches: list[Patch]) -> Port:
     """The opening that some patches make together.
 
-    Raises ``ConditionError`` when they do not lie in one plane.
+    Raises ``ConditionError`` when they do not lie in one plane (on one straight line).
     """
     parts = [p.quadrature(max(p.surface.degrees) + 8) for p in patches]
     position = np.concatenate([p.position for p, _ in parts], axis=1)
@@ -115,7 +136,7 @@ def port(name: str, patches: list[Patch]) -> Port:
     normal = normals @ weights / area
     outline = np.concatenate([_outline(p) for p in patches], axis=1)
     off = np.abs(normal @ (outline - centre[:, None])).max()
-    if off > PLANAR * np.sqrt(area) or np.linalg.norm(normal) < 1 - 1e-9:
+    if off > PLANAR * area ** (1 / (len(centre) - 1)) or np.linalg.norm(normal) < 1 - 1e-9:
         raise ConditionError(
             f"'{name}' is not flat, which an inflow or a pressure asks for; "
             "name one flat opening only, or prescribe Velocity or Traction"
@@ -124,7 +145,9 @@ def port(name: str, patches: list[Patch]) -> Port:
 
 
 def _outline(patch: Patch, samples: int = 33) -> Array:
-    """Points (3, N) on the edges of a patch."""
+    """Points (dim, N) on the edges of a patch."""
+    if patch.surface.dimension == 2:
+        return patch.surface.evaluate(patch.surface.domain[0])
     (u0, u1), (v0, v1) = patch.surface.domain
     u, v = np.linspace(u0, u1, samples), np.linspace(v0, v1, samples)
     x = patch.surface.evaluate

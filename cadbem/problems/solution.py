@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.kernels.kernel import Kernel
-from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
+from cadbem.kernels.stokes import stokes_kernels
+from cadbem.points import moment
 from cadbem.problems.mixed import patches_named, represent
 from cadbem.quadrature import Quadrature
 from cadbem.space import Field, Space
@@ -18,8 +19,6 @@ from cadbem.spline.basis import Array
 
 if TYPE_CHECKING:
     from cadbem.problems.stokes import StokesProblem
-
-EIGHT_PI = 8 * np.pi
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,22 +35,25 @@ class StokesSolution:
         return self.velocity.space
 
     def velocity_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
-        """Velocity (3, M) at points (3, M) in the fluid or on its boundary.
+        """Velocity (dim, M) at points (dim, M) in the fluid or on its boundary.
 
-        u = u∞ - (1/8πμ) ∫ G f dS + (1/8π) ∫ (T·n) u dS in the fluid; zero outside.  The
-        ``quadrature`` is the problem's if none is given.
+        u = u∞ - (1/cμ) ∫ G f dS + (1/c) ∫ (T·n) u dS in the fluid, c = 8π (4π in a plane);
+        zero outside.  The ``quadrature`` is the problem's if none is given.
         """
-        factor = -1 / (EIGHT_PI * self.problem.viscosity), 1 / EIGHT_PI
+        kernel, _ = stokes_kernels(self.space.boundary.dimension)
+        inside = 2 * kernel.free_term
+        factor = -1 / (inside * self.problem.viscosity), 1 / inside
         far_away = self.problem.background.velocity_at
-        return self._at(STOKES_3D, points, quadrature, factor, self.velocity.on_patch, far_away)
+        return self._at(kernel, points, quadrature, factor, self.velocity.on_patch, far_away)
 
     def pressure_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
-        """Pressure (M,) at points (3, M) in the fluid or on its boundary.
+        """Pressure (M,) at points (dim, M) in the fluid or on its boundary.
 
-        p = p∞ + (1/8π) ∫ g·f dS + (μ/8π) ∫ h·u dS in the fluid (see ``stokes_3d``).
+        p = p∞ + (1/c) ∫ g·f dS + (μ/c) ∫ h·u dS in the fluid (see ``stokes_3d``).
         """
-        factor = 1 / EIGHT_PI, self.problem.viscosity / EIGHT_PI
-        kernel, on_patch = STOKES_PRESSURE_3D, self._pressure_row
+        velocity, kernel = stokes_kernels(self.space.boundary.dimension)
+        inside, on_patch = 2 * velocity.free_term, self._pressure_row
+        factor = 1 / inside, self.problem.viscosity / inside
         far_away = self.problem.background.pressure_at
         return self._at(kernel, points, quadrature, factor, on_patch, far_away)[0]
 
@@ -71,19 +73,19 @@ class StokesSolution:
             kernel, self.space, points, quadrature, single, double, on_patch, far_away
         )
 
-    def _pressure_row(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
-        return self.surface_pressure(patch, u, v)[None]
+    def _pressure_row(self, patch: int, *parameters: ArrayLike) -> Array:
+        return self.surface_pressure(patch, *parameters)[None]
 
-    def surface_pressure(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
+    def surface_pressure(self, patch: int, *parameters: ArrayLike) -> Array:
         """Pressure on one patch: p = -f·n - 2μ div_s u, as the flow has no divergence."""
-        normal, divergence = self.velocity.surface_divergence(patch, u, v)
-        normal_traction = (self.traction.on_patch(patch, u, v) * normal).sum(axis=0)
+        normal, divergence = self.velocity.surface_divergence(patch, *parameters)
+        normal_traction = (self.traction.on_patch(patch, *parameters) * normal).sum(axis=0)
         return -normal_traction - 2 * self.problem.viscosity * divergence
 
-    def wall_shear(self, patch: int, u: ArrayLike, v: ArrayLike) -> Array:
-        """Tangential part (3, ·) of the traction on one patch."""
-        normal, _ = self.velocity.surface_divergence(patch, u, v)
-        traction = self.traction.on_patch(patch, u, v)
+    def wall_shear(self, patch: int, *parameters: ArrayLike) -> Array:
+        """Tangential part (dim, ·) of the traction on one patch."""
+        normal, _ = self.velocity.surface_divergence(patch, *parameters)
+        traction = self.traction.on_patch(patch, *parameters)
         return traction - (traction * normal).sum(axis=0) * normal
 
     def _flux(self, patch: int) -> float:
@@ -100,18 +102,21 @@ class StokesSolution:
         return sum(fluxes) / sum(f for f in fluxes if f > 0)
 
     def force(self, name: str) -> Array:
-        """Force (3,) of the fluid on the faces of a name, ∫ f dS."""
+        """Force (dim,) of the fluid on the faces of a name, ∫ f dS."""
         patches = patches_named(self.space.boundary, name)
         return np.sum([self.traction.integral(i) for i in patches], axis=0)
 
     def torque(self, name: str, centre: ArrayLike) -> Array:
-        """Torque (3,) of the fluid on the faces of a name about a point (3,), ∫ (x - c) × f dS."""
-        total = np.zeros(3)
+        """Torque of the fluid on the faces of a name about a point (dim,), ∫ (x - c) × f dS.
+
+        Shape (3,), or (1,) in a plane, counter-clockwise.
+        """
+        parts = []
         for i in patches_named(self.space.boundary, name):
             values, points, weights = self.traction.quadrature(i)
-            arms = points.position - np.reshape(centre, (3, 1))
-            total += np.cross(arms, values, axis=0) @ weights
-        return total
+            arms = points.position - np.reshape(centre, (-1, 1))
+            parts.append(moment(arms, values) @ weights)
+        return np.sum(parts, axis=0)
 
     def net_force(self) -> float:
         """|∮ f dS|, which vanishes for the exact flow; relative to ∮ |f| dS."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
-from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
+from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
 from cadbem.operators.solve import Border
@@ -33,8 +33,6 @@ from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space, discontinuous_space
 from cadbem.spline.basis import Array
 
-FREE_TERM = 4 * np.pi  # of a smooth boundary point
-EIGHT_PI = 8 * np.pi
 GIVEN_VELOCITY = (NoSlip, Velocity, RigidMotion, Inflow)
 KINDS = (*GIVEN_VELOCITY, Pressure, Traction)
 
@@ -47,7 +45,8 @@ class StokesProblem:
     the boundary.  If no closed surface holds the fluid it is unbounded: a ``background`` flow may
     then be given, which the flow tends to far away.  Raises ``ConditionError`` for a face without
     a condition, a condition without a face, data that drive no flow, data that leave the pressure
-    open, a background within walls, a viscosity that is not positive.
+    open, a background within walls, unbounded fluid in a plane (where a body that is pushed sets
+    all of it in motion: Stokes' paradox), a viscosity that is not positive.
     """
 
     boundary: Boundary
@@ -96,33 +95,37 @@ class StokesProblem:
     def layers(self) -> Layers:
         """Both layers at the collocation points."""
         targets = collocation_targets(self.space)
-        return assemble_layers(STOKES_3D, self.space, targets, self.quadrature)
+        kernel, _ = stokes_kernels(self.boundary.dimension)
+        return assemble_layers(kernel, self.space, targets, self.quadrature)
 
     @cached_property
     def inner_points(self) -> Array:
-        """A point inside each of ``given_bodies``: (3, bodies)."""
+        """A point inside each of ``given_bodies``: (dim, bodies)."""
         points = [point_inside(self.boundary, body) for body in self.given_bodies]
-        return np.ascontiguousarray(np.reshape(points, (-1, 3)).T)
+        return np.ascontiguousarray(np.reshape(points, (-1, self.boundary.dimension)).T)
 
     @cached_property
     def inner_pressure(self) -> Layers:
         """Both layers' pressures at a point inside each of ``given_bodies``."""
         targets = Targets.free(self.inner_points)
-        return assemble_layers(STOKES_PRESSURE_3D, self.space, targets, self.quadrature)
+        _, kernel = stokes_kernels(self.boundary.dimension)
+        return assemble_layers(kernel, self.space, targets, self.quadrature)
 
     def solve(self) -> StokesSolution:
         """Velocity and traction on the boundary, whence everything else follows.
 
-        Solves 4π u + (1/μ) S f - D u = 8π u∞ at the collocation points, n into the fluid.
+        Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
+        c = 4π, or 2π in a plane.
         """
         splits = [
-            split(self.conditions[p.name], self.openings.get(p.name))
+            split(self.conditions[p.name], self.openings.get(p.name), self.boundary.dimension)
             for p in self.boundary.patches
         ]
         border = self._border(splits) if self.given_bodies else None
-        system = MixedSystem(self.layers, FREE_TERM, -1 / self.viscosity, splits, border)
+        free_term = self.layers.kernel.free_term
+        system = MixedSystem(self.layers, free_term, -1 / self.viscosity, splits, border)
         known = self._known(system)
-        source = EIGHT_PI * self.background.velocity_at(self.space.collocation.position)
+        source = 2 * free_term * self.background.velocity_at(self.space.collocation.position)
         unknowns = system.unknowns(*known, source, self._constraints(*known))
         velocity, traction = system.complete(*known, unknowns)
         return StokesSolution(self, Field(self.space, velocity), Field(self.space, traction))
@@ -148,11 +151,12 @@ class StokesProblem:
             ],
             axis=2,
         )
-        return Border(rows / EIGHT_PI, fields)
+        return Border(rows / (2 * self.layers.kernel.free_term), fields)
 
     def _constraints(self, velocity: Array, traction: Array) -> Array:
         """Right sides of the border: minus the pressures inside bodies that known data bring."""
-        known = self.inner_pressure.apply(traction, self.viscosity * velocity)[0] / EIGHT_PI
+        known = self.inner_pressure.apply(traction, self.viscosity * velocity)[0]
+        known /= 2 * self.layers.kernel.free_term
         return -known - self.background.pressure_at(self.inner_points)
 
     def _known(self, system: MixedSystem) -> tuple[Array, Array]:
@@ -175,6 +179,11 @@ def _check_data(
     background: Background,
     unbounded: bool,
 ) -> None:
+    if unbounded and boundary.dimension == 2:
+        raise ConditionError(
+            "no closed curve holds the fluid, and plane flow past bodies has no solution far "
+            "away; add walls around it, or turn curves so that the fluid is to their right"
+        )
     if background != Background() and not unbounded:
         raise ConditionError(
             "a background flow is given, but walls enclose the fluid; leave it out, or turn the "
