@@ -8,6 +8,7 @@ from cadbem.errors import ConditionError
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure, RigidMotion, Traction, Velocity
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
+from cadbem.space import Field, discontinuous_space
 from cadbem.spline.outlines import circle, ellipse, line, rectangle
 
 CHANNEL = {"inlet": Inflow(mean_velocity=2.0), "outlet": Pressure(0.0), "walls": NoSlip()}
@@ -95,3 +96,28 @@ def test_mistakes():
     ]
     with pytest.raises(ConditionError, match="not one straight segment"):
         StokesProblem(Boundary((*halves, *sides[1:])), 1.0, CHANNEL).solve()
+
+
+def test_selecting_and_refining_curves():
+    """Sides by number, point and predicate; lengths and areas stay under changes of splines."""
+    boundary = channel()
+    assert boundary.select(3) == (2,)
+    assert boundary.select((-1.0, 0.1)) == (0,)
+    assert boundary.select(lambda position, normal: normal[1] < -0.5) == (3,)
+    ring = Boundary(tuple(Patch(c, "ring", 1) for c in circle(2.0)))
+    assert ring.volume() == pytest.approx(-4 * np.pi, rel=1e-13)
+    richer = ring.elevated(4).refined(size=0.3).graded(2)
+    assert len(richer.patches[0].surface.breaks(0)) == 1 + 11 + 4
+    assert richer.area() == pytest.approx(4 * np.pi, rel=1e-13)
+    assert richer.volume() == pytest.approx(-4 * np.pi, rel=1e-13)
+
+
+def test_surface_divergence_on_a_curve():
+    """The field x has div_s x = 1 on any curve; the field (y, -x) has 0 on a circle about 0."""
+    space = discontinuous_space(Boundary(tuple(Patch(c) for c in circle(2.0))))
+    x, y = space.collocation.position
+    for values, exact in ((np.array([x, y]), 1.0), (np.array([y, -x]), 0.0)):
+        field = Field(space, space.interpolate(values))
+        normal, divergence = field.surface_divergence(1, [0.2, 0.9])
+        assert divergence == pytest.approx([exact, exact], abs=1e-13)
+        assert 2 * normal == pytest.approx(space.boundary.patches[1].surface.evaluate([0.2, 0.9]))
