@@ -15,11 +15,10 @@ TOLERANCES = (1e-6, 1e-10)
 HEIGHTS = (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5)
 
 
-def near_rule(curve, target, tolerance, own=None):
-    """r = x - target and normals (2, n), and weights with Jacobian, on all panels.
+def near_rule(panels, target, tolerance, own=None):
+    """r = x - target and normals (2, n), and weights with Jacobian, on all of a curve's panels.
 
     ``own`` (panel, t) says that the target lies on the curve there."""
-    panels = split_patch(curve)
     nets = panels.flat_nets
     index = np.arange(len(nets))
     closest = np.empty((3, len(nets)))
@@ -33,7 +32,7 @@ def near_rule(curve, target, tolerance, own=None):
     bu, bv = np.empty((p + 1, capacity)), np.empty((1, capacity))
     starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((2, len(nets)))
     done = near.place_nodes(
-        nets, index, 0, *closest, tolerance, near.gauss_table(),
+        nets, index, 0, *closest, tolerance, 0 * index, 0, near.gauss_table(),
         starts, foot, position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)
@@ -58,7 +57,7 @@ def test_log_rule(order):
 def test_segment(tolerance, degree):
     """∫ ln r, ∫ h/r² and ∫ x/r² over a segment of length 1, above and beyond it at 0.3 to 1e-5;
     at most 90 nodes."""
-    segment = line((0, 0), (1, 0)).elevated((degree,))
+    segment = split_patch(line((0, 0), (1, 0)).elevated((degree,)))
     for x in (0.37, 0.01, 1e-3, 0.0, 1.02, -0.1, 1.00001):
         for h in HEIGHTS:
             (along, _), _, weight = near_rule(segment, (x, h), tolerance)
@@ -79,7 +78,7 @@ def test_segment(tolerance, degree):
 @pytest.mark.parametrize("tolerance", TOLERANCES)
 def test_on_a_segment(tolerance):
     """∫ ln |x - a| dx and ∫ (x - a) ln |x - a| dx at a point of the segment."""
-    segment = line((0, 0), (1, 0))
+    segment = split_patch(line((0, 0), (1, 0)))
     for a in (0.5, 0.13, 1e-3, 1e-6, 0.0):
         (along, _), _, weight = near_rule(segment, (a, 0), tolerance, own=(0, a))
         ends = [e for e in (-a, 1 - a) if e]
@@ -94,14 +93,15 @@ def test_on_a_segment(tolerance):
 def test_circle(tolerance, degree):
     """On the unit circle, x₀ = ρ (cos φ, sin φ), m = min(ρ, 1/ρ): ∮ ln r ds = 2π ln max(1, ρ),
     ∮ ln r cos θ ds = -π m cos φ, ∮ r·n / r² ds = 2π inside, π on, 0 outside."""
+    arcs = [split_patch(arc.elevated((degree,))) for arc in circle()]
     for phi in (1e-4, 0.3, 1.2):
         for height in (*HEIGHTS, 0.0, *[-h for h in HEIGHTS]):
             rho = 1 - height
             source = np.array([rho * cos(phi), rho * sin(phi)])
             sums = np.zeros(3)
-            for k, arc in enumerate(circle()):
+            for k, arc in enumerate(arcs):
                 own = _own_place(phi) if height == 0.0 and k == 0 else None
-                r, normal, weight = near_rule(arc.elevated((degree,)), source, tolerance, own)
+                r, normal, weight = near_rule(arc, source, tolerance, own)
                 square = (r**2).sum(axis=0)
                 double = (r * normal).sum(axis=0) / square
                 logs = 0.5 * np.log(square)
