@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from cadbem.errors import DisplayError as DisplayError
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.post import bezier_grid as bezier_grid
+    from cadbem.post import draw_around as draw_around
     from cadbem.post import draw_boundary as draw_boundary
     from cadbem.post import draw_collocation as draw_collocation
     from cadbem.post import draw_slices as draw_slices
@@ -27,9 +28,11 @@ if TYPE_CHECKING:
     from cadbem.post import volume_grid as volume_grid
     from cadbem.post import write_mesh as write_mesh
     from cadbem.post import write_vtu as write_vtu
+    from cadbem.problems.conditions import Background as Background
     from cadbem.problems.conditions import Inflow as Inflow
     from cadbem.problems.conditions import NoSlip as NoSlip
     from cadbem.problems.conditions import Pressure as Pressure
+    from cadbem.problems.conditions import RigidMotion as RigidMotion
     from cadbem.problems.conditions import Traction as Traction
     from cadbem.problems.conditions import Velocity as Velocity
     from cadbem.problems.heat import HeatProblem as HeatProblem
@@ -45,6 +48,13 @@ if TYPE_CHECKING:
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
+    from cadbem.spline.shapes import box as box
+    from cadbem.spline.shapes import cylinder as cylinder
+    from cadbem.spline.shapes import ellipsoid as ellipsoid
+    from cadbem.spline.shapes import plate as plate
+    from cadbem.spline.shapes import sphere as sphere
+    from cadbem.spline.shapes import sphere_octants as sphere_octants
+    from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
 
 __version__ = "0.1.0"
 
@@ -54,6 +64,7 @@ _NAMES = {
     "errors": ("CadError", "CadbemError", "ConditionError", "DisplayError", "SelectionError"),
     "post": (
         "bezier_grid",
+        "draw_around",
         "draw_boundary",
         "draw_collocation",
         "draw_slices",
@@ -63,7 +74,15 @@ _NAMES = {
         "write_mesh",
         "write_vtu",
     ),
-    "problems.conditions": ("Inflow", "NoSlip", "Pressure", "Traction", "Velocity"),
+    "problems.conditions": (
+        "Background",
+        "Inflow",
+        "NoSlip",
+        "Pressure",
+        "RigidMotion",
+        "Traction",
+        "Velocity",
+    ),
     "problems.heat": ("HeatProblem",),
     "problems.heat_conditions": ("HeatFlux", "SurfaceExchange", "Temperature"),
     "problems.heat_solution": ("HeatSolution",),
@@ -73,6 +92,15 @@ _NAMES = {
     "script": ("fresh_folder", "run"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
+    "spline.shapes": (
+        "box",
+        "cylinder",
+        "ellipsoid",
+        "plate",
+        "sphere",
+        "sphere_octants",
+        "sphere_with_poles",
+    ),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}
 

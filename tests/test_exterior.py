@@ -13,11 +13,11 @@ from cadbem.problems.bodies import closed_surfaces, point_inside
 from cadbem.problems.conditions import Background, NoSlip, RigidMotion, Traction, Velocity
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
-from cadbem.spline import Nurbs
 from cadbem.spline.shapes import (
     cylinder,
     ellipsoid,
     parallelogram,
+    plate,
     sphere,
     sphere_octants,
     sphere_with_poles,
@@ -177,28 +177,20 @@ def test_two_spheres_along_their_line_of_centres(ratio):
         assert -solution.force(name)[2] / (6 * np.pi) == pytest.approx(exact, rel=2e-6)
 
 
-def plate(half_side, half_size, spans, rings):
-    """Square plate z = 0, |x|, |y| < half_size, of a square and four trapezoids around it whose
-    elements grow outwards like a geometric series; normals up."""
-    s, knots, growth = half_side, np.linspace(0, 1, spans + 1)[1:-1], half_size / half_side
-    outwards = (growth ** (np.arange(1, rings) / rings) - 1) / (growth - 1)
-    patches = [parallelogram((-s, -s, 0), (2 * s, 0, 0), (0, 2 * s, 0)).elevated((3, 3))]
-    patches = [patches[0].inserted([knots, knots])]
-    corners = s * np.array([[-1.0, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]])
-    for k in range(4):
-        a, b = corners[k], corners[(k + 1) % 4]
-        net = np.array([[a, b], [growth * a, growth * b]])
-        trapezoid = Nurbs((1, 1), (np.array([0.0, 0, 1, 1]),) * 2, net, np.ones((2, 2)))
-        patches.append(trapezoid.elevated((3, 3)).inserted([outwards, knots]))
-    return tuple(Patch(p, "wall") for p in patches)
+def test_plate():
+    """A square of 40² = 1600 whose normals point up, in patches that fit."""
+    points, weights = Boundary(tuple(map(Patch, plate(3.0, 40.0)))).quadrature()
+    assert weights.sum() == pytest.approx(1600)
+    assert abs(points.normal - [[0.0], [0], [1]]).max() < 1e-12
 
 
 def test_sphere_near_a_wall():
     """Sphere at height 2a moving along a wall: drag and torque in bispherical coordinates
-    (O'Neill 1964).  The wall is a plate of 1000 a, a surface with fluid on both sides, whose
+    (O'Neill 1964).  The wall is a plate of 2000 a, a surface with fluid on both sides, whose
     traction is the sum of both."""
     exact = REFERENCE["sphere_near_wall"]["2.000000000000"]
-    boundary = Boundary(body(sphere(1, (0, 0, 2.0)), 4, 2).patches + plate(1.5, 1000, 4, 9))
+    wall = tuple(Patch(p, "wall") for p in plate(3.0, 2000.0))
+    boundary = Boundary(body(sphere(1, (0, 0, 2.0)), 4, 2).patches + wall)
     conditions = {"body": RigidMotion((1.0, 0.0, 0.0)), "wall": NoSlip()}
     solution = StokesProblem(boundary, 1.0, conditions, Quadrature(1e-6)).solve()
     assert -solution.force("body")[0] / (6 * np.pi) == pytest.approx(exact["Ft"], rel=5e-4)

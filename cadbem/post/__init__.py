@@ -4,6 +4,7 @@ from cadbem.post.bezier import bezier_grid
 from cadbem.post.display import require_display
 from cadbem.post.export import write_mesh, write_vtu
 from cadbem.post.fields import edge_lines, tessellated, wall_stresses
+from cadbem.post.view_around import draw_around
 from cadbem.post.view_boundary import draw_boundary, draw_collocation
 from cadbem.post.view_flow import draw_slices, draw_streamlines
 from cadbem.post.view_walls import draw_traction
@@ -11,6 +12,7 @@ from cadbem.post.volume import volume_grid
 
 __all__ = [
     "bezier_grid",
+    "draw_around",
     "draw_boundary",
     "draw_collocation",
     "draw_slices",

@@ -95,6 +95,28 @@ def sphere_with_poles(
     return _placed([patch], (radius,) * 3, centre, inwards)
 
 
+def plate(
+    middle: float, side: float, *, degree: int = 3, spans: int = 4, rings: int = 9
+) -> tuple[Nurbs, ...]:
+    """The square |x|, |y| < side / 2 in the plane z = 0, normal up, with elements that are small
+    in its ``middle`` and grow outwards.
+
+    A square of side ``middle`` with ``spans`` elements a side, and four trapezoids around it
+    with ``rings`` elements outwards, whose lengths are a geometric series.
+    """
+    growth, across = side / middle, np.linspace(0, 1, spans + 1)[1:-1]
+    outwards = (growth ** (np.arange(1, rings) / rings) - 1) / (growth - 1)
+    square = parallelogram((-middle / 2, -middle / 2, 0), (middle, 0, 0), (0, middle, 0))
+    patches = [square.elevated((degree, degree)).inserted([across, across])]
+    start, end = square.points[0, 0], square.points[0, 1]
+    for k in range(4):
+        # going out and then along x = -middle / 2 downwards, or a turn of that, keeps normals up
+        net = np.array([[end, start], [growth * end, growth * start]]) @ _turn(2, k).T
+        trapezoid = Nurbs((1, 1), square.knots, net, np.ones((2, 2)))
+        patches.append(trapezoid.elevated((degree, degree)).inserted([outwards, across]))
+    return tuple(patches)
+
+
 def _revolved(around: Array, meridian: Array) -> Array:
     """Homogeneous net of points (x, y, w) of a circle times (r, z, w) of a half circle."""
     x, y, w = around.T[:, :, None]
