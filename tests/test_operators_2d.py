@@ -102,8 +102,8 @@ def test_stokes_single_layer_of_the_normal(depth):
     """∮ G n ds = 0 inside, outside and on: the pressure of a closed curve moves nothing.
 
     The normal is a spline on the rectangle; on the ellipse it is one nearly."""
-    bent = ELLIPSE.elevated(8).refined(32)
-    for boundary, bound in ((RECTANGLE.refined(2), 1e-11), (bent, 1e-11)):
+    bent = ELLIPSE.elevated(8).refined(20)
+    for boundary, bound in ((RECTANGLE.refined(2), 1e-11), (bent, 1e-9)):
         space = discontinuous_space(boundary)
         single = space.interpolate(space.collocation.normal)
         sides = [Targets.free(near_wall(boundary, side)) for side in (depth, -depth)]
@@ -142,12 +142,12 @@ def test_greens_identity_with_a_source_outside(kernel, companion, degree):
 @pytest.mark.parametrize("kernel", KERNELS, ids=NAMES)
 def test_outside_the_identity_gives_zero(kernel):
     """The same data at points outside, from 1 to 1e-6 away."""
-    space = discontinuous_space(ELLIPSE.elevated(8).refined(32))
+    space = discontinuous_space(ELLIPSE.elevated(8).refined(20))
     values, fluxes, _ = singularity(kernel, space.collocation.position, space.collocation.normal)
     single, double = space.interpolate(-fluxes), space.interpolate(values)
     for depth in (1.0, *DEPTHS):
         targets = Targets.free(near_wall(ELLIPSE, -depth))
-        assert abs(potentials(kernel, space, targets, FINE, single, double)).max() < 1e-10
+        assert abs(potentials(kernel, space, targets, FINE, single, double)).max() < 5e-9
 
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=NAMES)
