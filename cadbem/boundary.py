@@ -173,7 +173,7 @@ class Boundary:
         """
         if not 0 < ratio < 1:
             raise ValueError(f"the ratio {ratio} of grading must lie between 0 and 1")
-        shares = ratio ** np.arange(levels, 0, -1)
+        shares = np.array([ratio**k for k in range(levels, 0, -1)])
         return self._mapped(lambda s: s.inserted(_graded_knots(s, shares, toward)))
 
     def _mapped(self, change: Callable[[Nurbs], Nurbs]) -> Boundary:

@@ -17,14 +17,13 @@ from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Kernel, Layout
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
-from cadbem.quadrature import near
-from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature import Rules, near
 from cadbem.quadrature.panels import closest_on_panels
 from cadbem.spline.basis import Array
 
 TARGET_BLOCK = 64  # targets a table, to stay in cache
 STRIP = 4  # panels side by side in one matrix product
-NODE_CAPACITY = 1 << 15  # nodes a table of near pairs
+NODE_CAPACITY = 1 << 16  # nodes a table of near pairs
 INTERPOLATE = -1  # owner of a target that lies on no patch
 
 Index = NDArray[np.int64]
@@ -124,7 +123,7 @@ def interact(
     panels: Panels,
     patch: int,
     targets: Targets,
-    quadrature: Quadrature,
+    quadrature: Rules,
     sink: Sink,
 ) -> None:
     """Add everything that ``patch`` does to ``targets`` to ``sink``."""
@@ -241,7 +240,7 @@ def _near(
     close_target: Index,
     close_panel: Index,
     closest: Array,
-    quadrature: Quadrature,
+    quadrature: Rules,
     sink: Sink,
 ) -> None:
     p, q = panels.surface.degrees
@@ -250,11 +249,13 @@ def _near(
     weight, foot = np.empty(capacity), np.empty((dim, len(close_target)))
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
+    pieces = quadrature.pieces(panels.lengths[close_panel], closest[2])
     u, v, distance = map(np.ascontiguousarray, closest)
     done = 0
     while done < len(close_target):
         count = near.place_nodes(
-            panels.flat_nets, close_panel, done, u, v, distance, quadrature.tolerance, gauss,
+            panels.flat_nets, close_panel, done, u, v, distance,
+            quadrature.tolerance, pieces, quadrature.order, gauss,
             starts, foot, position, normal, weight, bu, bv,
         )  # fmt: skip
         rows = close_target[done : done + count]

@@ -15,7 +15,7 @@ from tqdm import tqdm
 from cadbem.kernels.kernel import Kernel, Layout
 from cadbem.operators.interactions import MatrixSink, PotentialSink, Targets, interact
 from cadbem.operators.panels import Panels, split_patch
-from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
@@ -65,7 +65,7 @@ def collocation_targets(space: Space) -> Targets:
 
 
 def assemble_layers(
-    kernel: Kernel, space: Space, targets: Targets, quadrature: Quadrature
+    kernel: Kernel, space: Space, targets: Targets, quadrature: Rules
 ) -> Layers:
     """Compute both layers from a space to targets; on the boundary, principal values."""
     entries = np.zeros((kernel.entries, targets.count, space.count))
@@ -84,7 +84,7 @@ def potentials(
     kernel: Kernel,
     space: Space,
     targets: Targets,
-    quadrature: Quadrature,
+    quadrature: Rules,
     single: Array,
     double: Array,
 ) -> Array:

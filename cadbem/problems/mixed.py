@@ -21,7 +21,7 @@ from cadbem.operators.layers import Layers, potentials
 from cadbem.operators.locate import locate
 from cadbem.operators.solve import Border, DenseFactors, factorise
 from cadbem.points import SurfacePoints
-from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
@@ -110,7 +110,7 @@ def represent(
     kernel: Kernel,
     space: Space,
     points: ArrayLike,
-    quadrature: Quadrature,
+    quadrature: Rules,
     single: Array,
     double: Array,
     on_patch: Callable[..., Array],

@@ -13,7 +13,7 @@ from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.points import moment
 from cadbem.problems.mixed import patches_named, represent
-from cadbem.quadrature import Quadrature
+from cadbem.quadrature import Rules
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
 
@@ -34,7 +34,7 @@ class StokesSolution:
         """Unknowns and collocation points."""
         return self.velocity.space
 
-    def velocity_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
+    def velocity_at(self, points: ArrayLike, quadrature: Rules | None = None) -> Array:
         """Velocity (dim, M) at points (dim, M) in the fluid or on its boundary.
 
         u = u∞ - (1/cμ) ∫ G f dS + (1/c) ∫ (T·n) u dS in the fluid, c = 8π (4π in a plane);
@@ -46,7 +46,7 @@ class StokesSolution:
         far_away = self.problem.background.velocity_at
         return self._at(kernel, points, quadrature, factor, self.velocity.on_patch, far_away)
 
-    def pressure_at(self, points: ArrayLike, quadrature: Quadrature | None = None) -> Array:
+    def pressure_at(self, points: ArrayLike, quadrature: Rules | None = None) -> Array:
         """Pressure (M,) at points (dim, M) in the fluid or on its boundary.
 
         p = p∞ + (1/c) ∫ g·f dS + (μ/c) ∫ h·u dS in the fluid (see ``stokes_3d``).
@@ -61,7 +61,7 @@ class StokesSolution:
         self,
         kernel: Kernel,
         points: ArrayLike,
-        quadrature: Quadrature | None,
+        quadrature: Rules | None,
         factor: tuple[float, float],
         on_patch: Callable[..., Array],
         far_away: Callable[[Array], Array],

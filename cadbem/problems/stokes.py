@@ -29,7 +29,7 @@ from cadbem.problems.conditions import (
 from cadbem.problems.mixed import MixedSystem, Split, check_names, patches_named
 from cadbem.problems.profiles import Port, port
 from cadbem.problems.solution import StokesSolution
-from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature import Quadrature, Rules
 from cadbem.space import Field, Space, discontinuous_space
 from cadbem.spline.basis import Array
 
@@ -52,7 +52,7 @@ class StokesProblem:
     boundary: Boundary
     viscosity: float
     conditions: Mapping[str, Condition]
-    quadrature: Quadrature = field(default_factory=Quadrature)
+    quadrature: Rules = field(default_factory=Quadrature)
     background: Background = Background()
 
     def __post_init__(self) -> None:

@@ -1,5 +1,5 @@
 """Rules for regular, nearly singular and singular integrals."""
 
-from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature.options import Quadrature, Rules, UniformSubdivision
 
-__all__ = ["Quadrature"]
+__all__ = ["Quadrature", "Rules", "UniformSubdivision"]

@@ -22,10 +22,10 @@ from numba import njit
 
 from cadbem.quadrature.gauss import gauss_unit, log_unit
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein
+from cadbem.quadrature.uniform import CORNERS, subdivided_nodes, triangle_nodes
 
 MAX_ORDER = 64
 TAPERED = 1.5  # share of digits that a panel asks for whose metric varies much
-CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counter-clockwise
 
 
 @lru_cache(maxsize=1)
@@ -201,16 +201,17 @@ def _evaluate_part(part, u, t, weight, values, slopes, point):
 
 @njit(cache=True, nogil=True)
 def place_nodes(
-    nets, panel_of, first, u, v, distance, tolerance, gauss,
+    nets, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
     starts, foot, position, normal, weight, bu, bv,
 ):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
     ``u``, ``v``, ``distance`` give each pair's closest point, whose place in space goes to
-    ``foot`` (dim, pairs).  Tables: ``position``, relative to the foot, and ``normal``
-    (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the panel's weight function;
-    Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity); ``starts`` (pairs + 1,)
-    offsets.  Returns the number of pairs done.
+    ``foot`` (dim, pairs).  Where ``pieces`` (pairs,) is not 0, the thesis's rule of ``order`` on
+    so many parts a direction replaces ours (on surfaces).  Tables: ``position``, relative to the
+    foot, and ``normal`` (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the
+    panel's weight function; Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity);
+    ``starts`` (pairs + 1,) offsets.  Returns the number of pairs done.
     """
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, position.shape[0]
     lu, su, lv, sv = np.empty(p + 1), np.empty(p + 1), np.empty(q + 1), np.empty(q + 1)
@@ -225,6 +226,10 @@ def place_nodes(
         room = nodes[:, : position.shape[1] - used]
         if dim == 2:
             count = line_nodes(net, u[k], distance[k], tolerance, gauss, room, work)
+        elif pieces[k] > 0 and distance[k] == 0.0:
+            count = triangle_nodes(u[k], v[k], order, gauss, room)
+        elif pieces[k] > 0:
+            count = subdivided_nodes(order, pieces[k], gauss, room)
         else:
             count = polar_nodes(net, u[k], v[k], distance[k], tolerance, gauss, room, work)
         if count < 0:

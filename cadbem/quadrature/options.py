@@ -3,7 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import ceil, log, log10, sinh
+from math import ceil, log, log10, sinh, sqrt
+
+import numpy as np
+from numpy.typing import NDArray
+
+Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -34,3 +39,46 @@ class Quadrature:
         """
         digits = -log(self.tolerance) + 5.0
         return 0.5 * sinh(digits / (2.0 * (order - degree / 2)))
+
+    @property
+    def order(self) -> int:
+        """No fixed order."""
+        return 0
+
+    def pieces(self, lengths: Array, distances: Array) -> NDArray[np.int64]:
+        """No uniform subdivision."""
+        return np.zeros(len(lengths), dtype=np.int64)
+
+
+@dataclass(frozen=True)
+class UniformSubdivision:
+    """The thesis's choice: one Gauss ``order``, close elements cut evenly, at most ``limit``².
+
+    An element longer than L = (3R/8) [m / (-0.1 √(2s/3 + 2/5) ln(e/2)) - 1]^(4/3) is cut, for a
+    target at the distance R, a tolerance e and a singularity of order s = 2 (Eq. 2.41, Bu and
+    Davies); own elements get plain polar coordinates.  For comparison: targets closer than about
+    1/80 of an element are integrated wrongly, because of the limit.
+    """
+
+    order: int = 10
+    tolerance: float = 1e-4
+    limit: int = 20
+    singularity: int = 2
+
+    def orders(self, degree: int) -> tuple[int, ...]:
+        """The one order."""
+        return (self.order,)
+
+    def reach(self, order: int, degree: int) -> float:
+        """Distance over element length from which an element is not cut."""
+        need = -0.1 * sqrt(2 * self.singularity / 3 + 0.4) * np.log(self.tolerance / 2)
+        return 1 / (0.375 * (self.order / need - 1) ** (4 / 3))
+
+    def pieces(self, lengths: Array, distances: Array) -> NDArray[np.int64]:
+        """Parts in each direction of elements (N,) at distances from their targets."""
+        with np.errstate(divide="ignore"):
+            wanted = np.ceil(lengths / distances * self.reach(self.order, 0))
+        return np.clip(wanted, 1, self.limit).astype(np.int64)
+
+
+Rules = Quadrature | UniformSubdivision
