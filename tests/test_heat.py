@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from runpy import run_path
 
 import numpy as np
 import pytest
@@ -104,6 +105,40 @@ def test_radiation_in_kelvin_without_any_given_temperature():
     solution = HeatProblem(slab(3), k, conditions, quadrature=FINE).solve()
     exact = (5000 / sigma) ** 0.25 + 5000 * (1 - 0.3) / k
     assert solution.temperature_at([[0.3], [0.5], [0.5]]) == pytest.approx([exact], rel=1e-9)
+
+
+def test_two_faces_that_radiate_to_different_surroundings():
+    """Linear φ from p to q with 2 (p - q) = 16 - p⁴ = 3 (q - 1) + 0.5 (q⁴ - 1)."""
+
+    def far(p):
+        return p - (16 - p**4) / 2
+
+    def gap(p):
+        return 16 - p**4 - 3 * (far(p) - 1) - 0.5 * (far(p) ** 4 - 1)
+
+    p = brentq(gap, 1.9, 2.0, xtol=1e-15)
+    conditions = {
+        "left": SurfaceExchange(radiation=1.0, ambient=2.0),
+        "right": SurfaceExchange(3.0, 0.5, 1.0),
+        "sides": HeatFlux(),
+    }
+    solution = HeatProblem(slab(2), 2.0, conditions, quadrature=FINE).solve()
+    exact = [p, p + 0.3 * (far(p) - p), far(p)]
+    points = np.array([[0.0, 0.3, 1.0], [0.5, 0.5, 0.5]])
+    assert solution.temperature_at(points) == pytest.approx(exact, abs=1e-9)
+
+
+@pytest.mark.parametrize("heat", [1e-3, 1.0, 1e6])
+def test_source_that_is_radiated_away(heat):
+    """φ = p + b (1 - x²) / 2k with p⁴ = b: all of the source leaves at the right."""
+    conditions = {
+        "left": HeatFlux(), "right": SurfaceExchange(radiation=1.0), "sides": HeatFlux()
+    }  # fmt: skip
+    boundary = slab(2).elevated(2)
+    solution = HeatProblem(boundary, 3.0, conditions, heat, FINE).solve()
+    x = np.array([0.0, 0.4, 1.0])
+    exact = heat**0.25 + heat * (1 - x**2) / 6
+    assert solution.temperature_at([x, 0 * x + 0.3]) == pytest.approx(exact, rel=1e-8)
 
 
 def test_convection_alone_is_linear():
@@ -238,6 +273,19 @@ def test_unit_circle_has_no_special_scale():
     points = np.array([[0.3, -0.5, 0.1], [0.2, 0.6, -0.9]])
     exact = points[0] ** 2 - points[1] ** 2
     assert solution.temperature_at(points) == pytest.approx(exact, abs=1e-6)
+
+
+@pytest.mark.parametrize("name", ["annulus_heat", "hollow_sphere_heat"])
+def test_workflow(name, tmp_path, capsys):
+    """The heat that passes: (π/2) C₁ (a quarter) and 4π C₁; a table and a plot."""
+    workflow = run_path(str(Path(__file__).parents[1] / "workflows" / f"{name}.py"))
+    solution = workflow["main"](output=str(tmp_path), finest=1)
+    annulus_heat = -np.pi / 2 * float(REFERENCE["benchmark_I"]["C1"])
+    sphere_heat = float(REFERENCE["benchmark_II"]["heat_rate_4pi_C1"])
+    exact = annulus_heat if name == "annulus_heat" else sphere_heat
+    assert solution.heat_rate("inner") == pytest.approx(exact, rel=1e-3)
+    assert (tmp_path / f"{name}.png").stat().st_size > 10_000
+    assert "points" in capsys.readouterr().out
 
 
 def test_mistakes():

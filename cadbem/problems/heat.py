@@ -28,8 +28,8 @@ from cadbem.space import Field, Space, discontinuous_space
 from cadbem.spline.basis import Array
 
 KINDS = (Temperature, HeatFlux, SurfaceExchange)
-UPDATE = 1e-12  # Newton stops when the update is this small against the temperature
-MOST_STEPS = 60
+UPDATE = 1e-13  # Newton stops when the update is so small against what it is a difference of
+MOST_STEPS = 100
 BELOW_ZERO = 1e-3  # share of the largest value that may be lost to discretisation
 
 
@@ -135,8 +135,8 @@ class HeatProblem:
         Raises ``ConditionError`` when it does not converge to absolute temperatures.
         """
         basis = block_diag(*map(self.space.collocation_matrix, patches))
-        values = np.full(len(base), max(abs(basis @ base).max(), self._hottest_ambient(patches)))
-        control = np.linalg.solve(basis, values)
+        start = max(abs(basis @ base).max(), self._hottest_ambient(patches))
+        control = np.full(len(base), start)
         for _ in range(MOST_STEPS):
             loss, derivative = self._losses(patches, basis @ control)
             answer = slope * control - np.linalg.solve(basis, loss)
@@ -144,8 +144,11 @@ class HeatProblem:
             inner = np.linalg.solve(basis, derivative[:, None] * basis)
             jacobian = np.eye(len(base)) - response @ (slope * np.eye(len(base)) - inner)
             update = np.linalg.solve(jacobian, gap)
-            control = control - update
-            if np.linalg.norm(basis @ update) <= UPDATE * np.linalg.norm(basis @ control):
+            change, size = abs(basis @ update).max(), abs(basis @ control).max()
+            # rises are limited: far above the answer, φ⁴ lets Newton fall by 1/4 a step only
+            control = control - update * min(1.0, 3 * size / change if change > 0 else 1.0)
+            scale = np.linalg.norm(basis @ control) + np.linalg.norm(basis @ base)
+            if np.linalg.norm(basis @ update) <= UPDATE * scale:
                 values = self._absolute(basis @ control)
                 return slope * control - np.linalg.solve(basis, self._losses(patches, values)[0])
         raise ConditionError(
