@@ -9,6 +9,7 @@ import cadbem as cb
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflows"))
 
+import moving_sphere  # noqa: E402
 import square_channel  # noqa: E402
 import y_junction_flow  # noqa: E402
 
@@ -34,6 +35,16 @@ def test_y_junction(tmp_path):
     assert a == pytest.approx(b, rel=1e-8)
     assert solution.flow_rate("outlet") == pytest.approx(-96, rel=3e-3)
     assert {p.name for p in tmp_path.iterdir()} == PICTURES | {"volume.vtu", "walls.vtu"}
+
+
+def test_moving_sphere(tmp_path, capsys):
+    """F = -6πμaU to 1e-8; a table for each of seven problems."""
+    solution = cb.run(moving_sphere.main, ["-o", str(tmp_path), "--spans", "2"])
+    drag = solution.force("body")[0] / (-6 * moving_sphere.pi)
+    assert drag == pytest.approx(1, abs=1e-8)
+    printed = capsys.readouterr().out
+    assert printed.count("relative errors") == 7
+    assert {p.name for p in tmp_path.iterdir()} == {"speed.png"}
 
 
 def test_results_are_never_overwritten(tmp_path):
