@@ -98,7 +98,7 @@ class HeatProblem:
         """
         slope = self.conductivity / self.size
         splits = [split_heat(self.conditions[p.name], slope) for p in self.boundary.patches]
-        system = MixedSystem(self.layers, self.kernel.free_term, 1 / self.conductivity, splits)
+        system = MixedSystem(self.layers, 1 / self.conductivity, splits)
         temperature, flux = system.known()
         unknowns = system.unknowns(temperature, flux, self._source_term())
         radiating = self._radiating()

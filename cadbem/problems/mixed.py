@@ -40,14 +40,13 @@ class Split:
 
 @dataclass(frozen=True, eq=False)
 class MixedSystem:
-    """free_term u = flux_factor S f + D u + source at the collocation points of ``layers``.
+    """c u = flux_factor S f + D u + source at the collocation points of ``layers``.
 
-    S and D are the layers without factors; ``splits`` one a patch; a ``border`` fixes what the
-    equations leave open.
+    S and D are the layers without factors, c is their free term; ``splits`` one a patch; a
+    ``border`` fixes what the equations leave open.
     """
 
     layers: Layers
-    free_term: float
     flux_factor: float
     splits: Sequence[Split]
     border: Border | None = None
@@ -56,6 +55,11 @@ class MixedSystem:
     def space(self) -> Space:
         """Unknowns and collocation points."""
         return self.layers.space
+
+    @property
+    def free_term(self) -> float:
+        """What the double layer makes of constant values."""
+        return self.layers.kernel.free_term
 
     def known(self) -> tuple[Array, Array]:
         """Coefficients (components, F) of the known value and flux, by projection."""

@@ -122,10 +122,10 @@ class StokesProblem:
             for p in self.boundary.patches
         ]
         border = self._border(splits) if self.given_bodies else None
-        free_term = self.layers.kernel.free_term
-        system = MixedSystem(self.layers, free_term, -1 / self.viscosity, splits, border)
+        system = MixedSystem(self.layers, -1 / self.viscosity, splits, border)
         known = self._known(system)
-        source = 2 * free_term * self.background.velocity_at(self.space.collocation.position)
+        background = self.background.velocity_at(self.space.collocation.position)
+        source = 2 * system.free_term * background
         unknowns = system.unknowns(*known, source, self._constraints(*known))
         velocity, traction = system.complete(*known, unknowns)
         return StokesSolution(self, Field(self.space, velocity), Field(self.space, traction))
