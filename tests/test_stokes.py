@@ -10,10 +10,9 @@ from shapes import bulged, channel
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure, Traction, Velocity
-from cadbem.problems.profiles import circle_profile, port, rectangle_profile
+from cadbem.problems.profiles import circle_profile, rectangle_profile
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature, UniformSubdivision
-from cadbem.spline import Nurbs
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 DUCT = {"inlet": Inflow(mean_velocity=1.0), "outlet": Pressure(0.0), "walls": NoSlip()}
@@ -178,11 +177,6 @@ def test_other_mistakes():
     nameless = Boundary(tuple(Patch(p.surface, "", p.face) for p in SQUARE.patches))
     with pytest.raises(ConditionError, match="face 1 at .* has no name"):
         StokesProblem(nameless, 1.0, DUCT)
-    kite = np.array([[[0, 0, 0], [0, 1, 0]], [[1, 0, 0], [2, 2, 0.0]]])
-    knots = np.array([0, 0, 1, 1.0])
-    odd = Patch(Nurbs((1, 1), (knots, knots), kite, np.ones((2, 2))), "inlet")
-    with pytest.raises(ConditionError, match="neither a rectangle nor a circle"):
-        port("inlet", [odd]).profile()
 
 
 def test_an_unknown_name_lists_the_names(thesis_channel):

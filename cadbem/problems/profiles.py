@@ -1,4 +1,4 @@
-"""Fully developed velocity profiles of ports, exact for rectangles, circles and plane gaps."""
+"""Fully developed velocity profiles of ports: exact for rectangles, circles and plane gaps."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from scipy.spatial import ConvexHull
 
 from cadbem.boundary import Patch
 from cadbem.errors import ConditionError
+from cadbem.problems.developed import developed_profile
 from cadbem.spline.basis import Array
 
 PLANAR = 1e-9  # how far a port may leave its plane, relative to its size
@@ -33,14 +34,17 @@ def rectangle_profile(y: Array, z: Array, width: float, height: float) -> Array:
 
 def _duct_series(y: Array, z: Array, a: float, b: float) -> Array:
     total = np.zeros_like(y)
+    slow = np.arange(y.size)  # points where the series has not decayed yet
     for k in range(TERMS):
         n = 2 * k + 1
         rate = n * np.pi / (2 * a)
-        ratio = np.exp(rate * (abs(z) - b)) * (1 + np.exp(-2 * rate * abs(z)))
-        ratio /= 1 + np.exp(-2 * rate * b)
-        if not ratio.size or ratio.max() < 1e-18 * n**3:
+        slow = slow[rate * (b - abs(z[slow])) < 40]
+        if not slow.size:
             break
-        total += (-1) ** k * np.cos(rate * y) * ratio / n**3
+        depth = abs(z[slow])
+        ratio = np.exp(rate * (depth - b)) * (1 + np.exp(-2 * rate * depth))
+        ratio /= 1 + np.exp(-2 * rate * b)
+        total[slow] += (-1) ** k * np.cos(rate * y[slow]) * ratio / n**3
     return (a * a - y * y) / 2 - 16 * a * a / np.pi**3 * total
 
 
@@ -67,6 +71,8 @@ class Port:
     ``outline`` (dim, N) are points on its edge; in a plane the area is a length.
     """
 
+    patches: tuple[Patch, ...]
+
     name: str
     centre: Array
     normal: Array
@@ -76,8 +82,8 @@ class Port:
     def profile(self) -> Callable[[Array], Array]:
         """Velocity over mean velocity at points (dim, N) of the port.
 
-        Raises ``ConditionError`` when the port is neither a rectangle nor a circle, or in a plane
-        when it is not one segment.
+        A shape that is neither a rectangle nor a circle has its profile computed on its rim.
+        Raises ``ConditionError`` when a port in a plane is not one segment.
         """
         radius = float(np.linalg.norm(self.outline - self.centre[:, None], axis=0).max())
         if len(self.centre) == 2:
@@ -89,10 +95,7 @@ class Port:
             )
         rectangle = self._rectangle()
         if rectangle is None:
-            raise ConditionError(
-                f"'{self.name}' is neither a rectangle nor a circle, so its developed profile is "
-                "not known; give Velocity(function) on it instead of Inflow"
-            )
+            return developed_profile(self.patches, self.centre, self.normal)
         axes, middle, sides = rectangle
         return lambda x: rectangle_profile(*(axes @ x - middle[:, None]), *sides)
 
@@ -141,7 +144,7 @@ def port(name: str, patches: list[Patch]) -> Port:
             f"'{name}' is not flat, which an inflow or a pressure asks for; "
             "name one flat opening only, or prescribe Velocity or Traction"
         )
-    return Port(name, centre, normal / np.linalg.norm(normal), area, outline)
+    return Port(tuple(patches), name, centre, normal / np.linalg.norm(normal), area, outline)
 
 
 def _outline(patch: Patch, samples: int = 33) -> Array:
