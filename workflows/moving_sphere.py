@@ -60,10 +60,14 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
 
     heading("sphere near a wall, a plate of 2000 a", "height / a", "points", "drag")
     for height, exact in WALL.items():
-        plate = cb.plate(4.0, 2000.0, degree=4, spans=spans, rings=spans + 4)
+        plate = cb.plate(2.0, 2000.0, degree=4, spans=spans, rings=spans + 8)
         wall = [cb.Patch(surface, "wall") for surface in plate]
-        ball = bodies(cb.sphere(centre=(0, 0, height)), 4, half)
-        boundary = cb.Boundary((*ball.patches, *wall))
+        # patches need not match: the one that faces the wall is much finer
+        faces = [bodies((s,), 4, 1) for s in cb.sphere(centre=(0, 0, height))]
+        ball = [
+            f.refined(spans if f.patches[0].middle().normal[2] < -0.9 else 1) for f in faces
+        ]
+        boundary = cb.Boundary((*[f.patches[0] for f in ball], *wall))
         conditions = {"body": cb.RigidMotion((1.0, 0.0, 0.0)), "wall": cb.NoSlip()}
         near = cb.StokesProblem(boundary, viscosity=1.0, conditions=conditions).solve()
         row(height, near.space.count, near.force("body")[0] / (-6 * pi * exact) - 1)
