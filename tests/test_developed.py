@@ -38,7 +38,7 @@ def test_triangle():
     opening = port("inlet", triangle(corners))
     assert opening.area == pytest.approx(np.sqrt(3) / 4, rel=1e-13)
     shares = np.random.default_rng(0).dirichlet([1, 1, 1], 50)
-    velocity = opening.profile()((shares @ corners).T)
+    velocity = opening.profile((shares @ corners).T)
     assert velocity == pytest.approx(60 * shares.prod(axis=1), abs=1e-10)
 
 

@@ -121,21 +121,30 @@ def _ruled(curve: Nurbs) -> Nurbs:
 
 def _panel_breaks(surface: Nurbs, direction: int) -> Array:
     breaks = surface.breaks(direction)
+    turns = _turns(surface, direction)
+    pieces = np.maximum(1, np.ceil(turns / WIDEST_TURN)).astype(int)
+    inner = [
+        np.linspace(low, high, n + 1)[1:]
+        for low, high, n in zip(breaks[:-1], breaks[1:], pieces, strict=True)
+    ]
+    return np.concatenate([breaks[:1], *inner])
+
+
+def _turns(surface: Nurbs, direction: int) -> Array:
+    """Largest angle by which the tangent turns along each element of a direction."""
+    breaks = surface.breaks(direction)
     across = np.linspace(*surface.domain[1 - direction], 5)
-    inner = [breaks[:1]]
-    for low, high in zip(breaks[:-1], breaks[1:], strict=True):
-        along = np.linspace(low, high, 9)
-        grid = np.meshgrid(along, across, indexing="ij")
-        parameters = grid if direction == 0 else grid[::-1]
-        key = (1, 0) if direction == 0 else (0, 1)
-        tangent = surface.derivatives(1, *parameters)[key]
-        length = np.linalg.norm(tangent, axis=0)
-        unit = tangent / np.where(length > 1e-12 * length.max(), length, np.inf)
-        cosine = np.clip((unit[:, 1:] * unit[:, :-1]).sum(axis=0), -1, 1)
-        cosine = np.where((length[1:] > 0) & (length[:-1] > 0), cosine, 1.0)
-        turn = np.arccos(cosine).sum(axis=0).max()
-        inner.append(np.linspace(low, high, max(1, int(np.ceil(turn / WIDEST_TURN))) + 1)[1:])
-    return np.concatenate(inner)
+    # just inside each element: the tangent may jump at its ends
+    along = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(1e-9, 1 - 1e-9, 9)
+    grid = np.meshgrid(along.ravel(), across, indexing="ij")
+    parameters = grid if direction == 0 else grid[::-1]
+    key = (1, 0) if direction == 0 else (0, 1)
+    tangent = surface.derivatives(1, *parameters)[key].reshape(-1, *along.shape, 5)
+    length = np.linalg.norm(tangent, axis=0)
+    unit = tangent / np.where(length > 1e-12 * length.max(), length, np.inf)
+    cosine = np.clip((unit[:, :, 1:] * unit[:, :, :-1]).sum(axis=0), -1, 1)
+    cosine = np.where((length[:, 1:] > 0) & (length[:, :-1] > 0), cosine, 1.0)
+    return np.arccos(cosine).sum(axis=1).max(axis=1)
 
 
 @dataclass(frozen=True, eq=False)

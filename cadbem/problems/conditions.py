@@ -154,5 +154,5 @@ def _given(value: Vector | float | Callable[[Array], Array]) -> Given:
 
 
 def _inflow(condition: Inflow, opening: Port) -> Given:
-    profile, mean = opening.profile(), condition.mean(opening)
+    profile, mean = opening.profile, condition.mean(opening)
     return lambda points: mean * profile(points.position) * opening.normal[:, None]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.spatial import ConvexHull
@@ -79,8 +80,9 @@ class Port:
     area: float
     outline: Array
 
+    @cached_property
     def profile(self) -> Callable[[Array], Array]:
-        """Velocity over mean velocity at points (dim, N) of the port.
+        """Velocity over mean velocity, a function of points (dim, N) of the port.
 
         A shape that is neither a rectangle nor a circle has its profile computed on its rim.
         Raises ``ConditionError`` when a port in a plane is not one segment.
