@@ -12,7 +12,7 @@ from cadbem.operators.locate import locate
 from cadbem.quadrature import Quadrature
 from cadbem.space import discontinuous_space
 
-FINE = Quadrature(1e-11)
+FINE = Quadrature(1e-12)
 SMALL = bulged().elevated(2).refined(2)
 INSIDE = np.array([[0.1, 0.9, 0.0], [0.2, 0.95, 0.0], [-0.3, 0.97, 1.1]])
 OUTSIDE = np.array([[1.5, 0.0, 4.0], [0.0, 1.01, 0.0], [0.0, 1.01, -2.0]])
@@ -51,7 +51,7 @@ def test_constant_density_under_the_double_layer(boundary):
         density[axis] = 1.0
         exact = np.zeros((3, space.count))
         exact[axis] = 4 * np.pi
-        assert abs(layers.apply(0 * density, density) - exact).max() < 1e-9
+        assert abs(layers.apply(0 * density, density) - exact).max() < 1e-10
 
 
 @pytest.mark.parametrize("depth", [0.3, 1e-2, 1e-4, 1e-6])

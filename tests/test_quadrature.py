@@ -14,6 +14,7 @@ from cadbem.quadrature import Quadrature, UniformSubdivision, near
 from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit
 from cadbem.quadrature.panels import closest_on_panels
 from cadbem.quadrature.uniform import subdivided_nodes, triangle_nodes
+from cadbem.spline.shapes import sphere_octants
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 TOLERANCES = (1e-6, 1e-8, 1e-10)
@@ -115,6 +116,22 @@ def corner_potential(a, b, height):
     return logs - height * atan2(a * b, height * r)
 
 
+@pytest.mark.parametrize("tolerance", [1e-6, 1e-10])
+def test_any_distance_from_a_pole(tolerance):
+    """A sphere of octants, whose edges shrink to points: ∫ dS / r = 4π / max(1, |x₀|), over and
+    beside the pole, at most 20 000 points an octant."""
+    for direction in ([0, 0, 1], [1e-4, 2e-4, 1], [0.01, 0.003, 1], [0.1, 0.2, 1], [1, 0, 0]):
+        unit = np.array(direction) / np.linalg.norm(direction)
+        for away in (0.3, 0.1, 1e-2, 1e-3, 1e-4, 1e-5, -1e-3):
+            source = (1 + away) * unit
+            total = 0.0
+            for surface in sphere_octants():
+                position, weight = near_rule(surface, source, tolerance)
+                assert len(weight) < 20_000
+                total += weight @ (1 / distance(position, source))
+            assert total == pytest.approx(4 * pi / max(1, 1 + away), rel=tolerance)
+
+
 @pytest.mark.parametrize(("tolerance", "most"), [(1e-6, 2304), (1e-10, 20_000)])
 @pytest.mark.parametrize("stretch", [1.0, 10.0])
 def test_any_distance_above_and_beside_a_square(tolerance, most, stretch):
@@ -181,8 +198,11 @@ def test_the_thesis_own_numbers_cylinder():
         source = [cos(pi / 4), delta, sin(pi / 4)]
         pieces = rules.pieces(np.array([2.0]), np.array([delta - 2.0]))[0]
         for parts, expected in zip((1, pieces), columns, strict=True):
-            position, weight = uniform_rule(quarter_cylinder(), int(parts))
-            value = weight @ (1 / (4 * pi * distance(position, source)))
+            t, w = gauss_on_breaks(10, np.linspace(0, 1, int(parts) + 1))
+            arc = surface_points(quarter_cylinder(), t, np.zeros_like(t))
+            across = (arc.position[0] - source[0]) ** 2 + (arc.position[2] - source[2]) ** 2
+            r = np.sqrt(across[:, None] + (2 * t - source[1]) ** 2)
+            value = (w * arc.jacobian) @ (1 / (4 * pi * r)) @ w
             assert value == pytest.approx(expected, abs=6e-9)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-
+MAX_ORDER = 64  # of rules that compiled code looks up
 
 
 @lru_cache(maxsize=128)

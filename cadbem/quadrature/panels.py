@@ -201,3 +201,17 @@ def _step(u, v, point, tu, tv, target):
         held = min(max(v + step_v, 0.0), 1.0) - v
         return (g - b * held) / a, held
     return step_u, step_v
+
+
+@njit(cache=True, nogil=True)
+def metric(net, u, v, bu, du, bv, dv, point, tu, tv):
+    """First fundamental form (E, F, G) at (u, v); leaves the position in ``point``."""
+    fill_bernstein(net.shape[0] - 1, u, bu, du)
+    fill_bernstein(net.shape[1] - 1, v, bv, dv)
+    evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
+    e = f = g = 0.0
+    for i in range(len(point)):
+        e += tu[i] * tu[i]
+        f += tu[i] * tv[i]
+        g += tv[i] * tv[i]
+    return e, f, g
