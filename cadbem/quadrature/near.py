@@ -107,10 +107,17 @@ def moments(starts, table, weight, bu, bv, result):
     result[k, e, i, j] = Σ table[e, m] weight[m] bu[i, m] bv[j, m] over the pair's nodes m.
     """
     result[:] = 0.0
-    for k in range(result.shape[0]):
-        for e in range(result.shape[1]):
-            for i in range(result.shape[2]):
-                for m in range(starts[k], starts[k + 1]):
-                    value = table[e, m] * weight[m] * bu[i, m]
-                    for j in range(result.shape[3]):
-                        result[k, e, i, j] += value * bv[j, m]
+    entries, rows, columns = result.shape[1], result.shape[2], result.shape[3]
+    flat = result.reshape(result.shape[0], entries, rows * columns)
+    functions = np.empty(rows * columns)
+    for k in range(flat.shape[0]):
+        for m in range(starts[k], starts[k + 1]):
+            for i in range(rows):
+                value = weight[m] * bu[i, m]
+                for j in range(columns):
+                    functions[i * columns + j] = value * bv[j, m]
+            for e in range(entries):
+                value = table[e, m]
+                sums = flat[k, e]
+                for f in range(len(functions)):
+                    sums[f] += value * functions[f]

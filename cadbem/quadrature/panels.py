@@ -43,17 +43,22 @@ def evaluate_panel(net, bu, bv, du, dv, point, tangent_u, tangent_v):
     tangent_u[:] = 0.0
     tangent_v[:] = 0.0
     for i in range(net.shape[0]):
+        # one row first: then each control point is read once
+        w = w_v = 0.0
         for j in range(net.shape[1]):
-            b, b_u, b_v = bu[i] * bv[j], du[i] * bv[j], bu[i] * dv[j]
-            w = net[i, j, dim]
-            weight += b * w
-            weight_u += b_u * w
-            weight_v += b_v * w
-            for c in range(dim):
-                x = net[i, j, c]
-                point[c] += b * x
-                tangent_u[c] += b_u * x
-                tangent_v[c] += b_v * x
+            w += bv[j] * net[i, j, dim]
+            w_v += dv[j] * net[i, j, dim]
+        weight += bu[i] * w
+        weight_u += du[i] * w
+        weight_v += bu[i] * w_v
+        for c in range(dim):
+            x = x_v = 0.0
+            for j in range(net.shape[1]):
+                x += bv[j] * net[i, j, c]
+                x_v += dv[j] * net[i, j, c]
+            point[c] += bu[i] * x
+            tangent_u[c] += du[i] * x
+            tangent_v[c] += bu[i] * x_v
     for c in range(dim):
         point[c] /= weight
         tangent_u[c] = (tangent_u[c] - weight_u * point[c]) / weight
