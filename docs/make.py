@@ -10,7 +10,10 @@ import shutil
 import sys
 import tempfile
 import time
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 
@@ -19,10 +22,18 @@ import cadbem as cb
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "workflows"))
 
+import annulus_heat  # noqa: E402
+import hollow_sphere_heat  # noqa: E402
+import moving_sphere  # noqa: E402
 import square_channel  # noqa: E402
 import y_junction_flow  # noqa: E402
 
 Row = tuple[str, ...]
+PRINTED = {
+    "Moving sphere": moving_sphere,
+    "Heat in a quarter of an annulus": annulus_heat,
+    "Heat in a hollow sphere": hollow_sphere_heat,
+}
 
 
 def table(head: Row, rows: list[Row]) -> str:
@@ -107,17 +118,28 @@ pressure drop converges with order {order:.1f} in the number of spans (from the 
 grids): the flow is singular at the three edges where branches meet.
 
 {junction}"""
+    for title, workflow in PRINTED.items():
+        text += f"\n## {title}\n\n```\n{printed(workflow)}```\n"
     (HERE / "results.md").write_text(text)
+
+
+def printed(workflow: ModuleType) -> str:
+    """What a workflow prints but for where its pictures are."""
+    with redirect_stdout(StringIO()) as output:
+        workflow.main(output="")
+    return output.getvalue()
 
 
 def make_pictures() -> None:
     folder = HERE / "pictures"
     folder.mkdir(exist_ok=True)
-    for name, workflow in (("square_channel", square_channel), ("y_junction", y_junction_flow)):
+    drawn = {"square_channel": square_channel, "y_junction": y_junction_flow}
+    for name, workflow in (drawn | {w.__name__: w for w in PRINTED.values()}).items():
         with tempfile.TemporaryDirectory() as made:
             workflow.main(output=made)
             for picture in Path(made).glob("*.png"):
-                shutil.copy(picture, folder / f"{name}_{picture.name}")
+                target = picture.name if name in picture.name else f"{name}_{picture.name}"
+                shutil.copy(picture, folder / target)
 
 
 if __name__ == "__main__":
