@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import block_diag, cho_factor, cho_solve
+from scipy.linalg import cho_factor, cho_solve
 
 from cadbem.boundary import Boundary
 from cadbem.points import SurfacePoints, area_vector, dual_tangents, join, surface_points
@@ -56,10 +56,6 @@ class Space:
     def collocation_matrix(self, patch: int) -> Array:
         """Values of a patch's functions at its collocation points: (n, n)."""
         return rational_basis(self.boundary.patches[patch].surface, self.parameters[patch])
-
-    def basis(self) -> Array:
-        """Values of all functions at all collocation points, dense and block diagonal."""
-        return block_diag(*map(self.collocation_matrix, range(len(self.boundary.patches))))
 
     def interpolate(self, values: Array) -> Array:
         """Coefficients (dim, F) of the field with these values at the collocation points."""

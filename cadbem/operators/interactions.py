@@ -18,13 +18,11 @@ from numpy.typing import NDArray
 from cadbem.kernels.kernel import Kernel, Layout
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
 from cadbem.quadrature import Rules, near
-from cadbem.quadrature.panels import closest_on_panels
 from cadbem.spline.basis import Array
 
 TARGET_BLOCK = 64  # targets a table, to stay in cache
 STRIP = 4  # panels side by side in one matrix product
 NODE_CAPACITY = 1 << 16  # nodes a table of near pairs
-INTERPOLATE = -1  # owner of a target that lies on no patch
 
 Index = NDArray[np.int64]
 
@@ -129,10 +127,8 @@ def interact(
     """Add everything that ``patch`` does to ``targets`` to ``sink``."""
     degree = max(panels.surface.degrees)
     orders = quadrature.orders(degree)
-    centres, radii = panels.sphere
-    reach = quadrature.reach(orders[0], degree) * panels.lengths + radii
-    square = ((targets.position[:, :, None] - centres[:, None, :]) ** 2).sum(axis=0)
-    close_target, close_panel = np.nonzero(square < reach**2)
+    reach = quadrature.reach(orders[0], degree) * panels.lengths
+    close_target, close_panel = panels.close_pairs(targets.position, reach)
     _far(kernel, panels, tensor_nodes(panels, orders[0]), targets, close_target, close_panel, sink)
     if len(close_target) == 0:
         return
@@ -194,11 +190,7 @@ def _closest(
     panels: Panels, patch: int, targets: Targets, close_target: Index, close_panel: Index
 ) -> Array:
     """Closest points (3, pairs): u, v within the panel, distance; exact for a patch's own."""
-    result = np.empty((3, len(close_target)))
-    u, v, samples = panels.samples
-    closest_on_panels(
-        targets.position, close_target, close_panel, panels.flat_nets, u, v, samples, result
-    )
+    result = panels.closest(targets.position, close_target, close_panel)
     grid = np.divmod(close_panel, panels.shape[1])
     own = targets.owner[close_target] == patch
     pairs = np.arange(len(own))

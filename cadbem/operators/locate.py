@@ -7,7 +7,6 @@ from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
 from cadbem.operators.panels import split_patch
-from cadbem.quadrature.panels import closest_on_panels
 from cadbem.spline.basis import Array
 
 ON_BOUNDARY = 1e-9  # distance over panel length below which a point counts as on the panel
@@ -19,12 +18,8 @@ def locate(boundary: Boundary, position: Array) -> tuple[NDArray[np.int64], Arra
     parameters = np.zeros((len(position) - 1, position.shape[1]))
     for index, patch in enumerate(boundary.patches):
         panels = split_patch(patch.surface)
-        centres, radii = panels.sphere
-        square = ((position[:, :, None] - centres[:, None, :]) ** 2).sum(axis=0)
-        target, panel = np.nonzero(square < (radii + ON_BOUNDARY * panels.lengths) ** 2)
-        closest = np.empty((3, len(target)))
-        u, v, samples = panels.samples
-        closest_on_panels(position, target, panel, panels.flat_nets, u, v, samples, closest)
+        target, panel = panels.close_pairs(position, ON_BOUNDARY * panels.lengths)
+        closest = panels.closest(position, target, panel)
         on = closest[2] < ON_BOUNDARY * panels.lengths[panel]
         cells = np.divmod(panel[on], panels.shape[1])
         for direction, cell in enumerate(cells[: len(parameters)]):

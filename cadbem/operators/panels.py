@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
+from cadbem.quadrature.panels import closest_on_panels
 from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
@@ -74,6 +75,19 @@ class Panels:
         u = np.linalg.norm(np.diff(grid, axis=1), axis=3).sum(axis=1).max(axis=1)
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
         return np.maximum(u, v)
+
+    def close_pairs(self, position: Array, reach: Array) -> tuple[Index, Index]:
+        """Pairs of points (dim, T) and panels that may be nearer than ``reach`` (E,)."""
+        centres, radii = self.sphere
+        square = ((position[:, :, None] - centres[:, None, :]) ** 2).sum(axis=0)
+        target, panel = np.nonzero(square < (reach + radii) ** 2)
+        return target, panel
+
+    def closest(self, position: Array, target: Index, panel: Index) -> Array:
+        """Closest points (3, pairs) of pairs: u, v within the panel, distance."""
+        result = np.empty((3, len(target)))
+        closest_on_panels(position, target, panel, self.flat_nets, *self.samples, result)
+        return result
 
     def locate(self, direction: int, parameter: Array) -> NDArray[np.bool_]:
         """Whether parameters (T,) lie in each closed panel interval: bool (T, P)."""

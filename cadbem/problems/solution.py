@@ -82,12 +82,6 @@ class StokesSolution:
         normal_traction = (self.traction.on_patch(patch, *parameters) * normal).sum(axis=0)
         return -normal_traction - 2 * self.problem.viscosity * divergence
 
-    def wall_shear(self, patch: int, *parameters: ArrayLike) -> Array:
-        """Tangential part (dim, ·) of the traction on one patch."""
-        normal, _ = self.velocity.surface_divergence(patch, *parameters)
-        traction = self.traction.on_patch(patch, *parameters)
-        return traction - (traction * normal).sum(axis=0) * normal
-
     def _flux(self, patch: int) -> float:
         values, points, weights = self.velocity.quadrature(patch)
         return float((values * points.normal).sum(axis=0) @ weights)
