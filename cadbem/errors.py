@@ -19,3 +19,7 @@ class ConditionError(CadbemError):
 
 class DisplayError(CadbemError):
     """Pictures cannot be drawn on this machine."""
+
+
+class ShapeError(CadbemError):
+    """A droplet's or particle's shape, or what became of it."""

@@ -1,0 +1,329 @@
+"""Smooth splines on the circle and on the sphere: they carry closed curves and surfaces.
+
+Both use uniform B-splines whose centres are the collocation points.  On the circle they are
+periodic in the angle.  On the sphere the longitude is periodic, and the colatitude runs on over the
+poles, f(-θ, φ) = f(θ, φ + π), so that no pole is a special point of a basis; the collocation points
+are θ_j = (j + 1/2) π / rows, φ_k = (k + 1/2) 2π / columns.  Two conditions, imposed azimuthal
+mode by mode (e^{imφ}), make functions of the tensor product functions on a sphere:
+
+- they are C^(degree - 1) at the poles: f_m and its derivatives below order m vanish there;
+- near a pole they have no shorter waves than on the equator: the mode m is absent in rows whose
+  circle has room for fewer than m waves, up to a factor ``ROOM``.
+
+The second takes no accuracy (smooth functions vanish like θ^m) and the explicit time step of a
+droplet becomes that of evenly spread points.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.linalg import null_space
+
+from cadbem.errors import ShapeError
+from cadbem.spline.basis import Array, basis_functions, basis_matrix, greville, open_knots
+from cadbem.spline.nurbs import Nurbs
+
+ROOM = 1.5  # azimuthal waves kept near the poles, relative to evenly spread points
+
+
+def window(degree: int, count: int, length: float, t: ArrayLike, order: int = 0):
+    """The degree + 1 uniform B-splines around each t on an axis of ``count`` spans.
+
+    Function i is centred at (i + 1/2) length / count.  Returns the first function (m,), not
+    wrapped into 0 ... count - 1, and the derivatives of the given order (degree + 1, m).
+    """
+    step = length / count
+    place = np.asarray(t, dtype=float).ravel() / step - 0.5 + 0.5 * (degree + 1)
+    span = np.floor(place)
+    knots = np.arange(-degree, degree + 2, dtype=float)
+    _, values = basis_functions(degree, knots, place - span, order)
+    return span.astype(np.int64) - degree, values[order] / step**order
+
+
+def periodic_matrix(degree: int, count: int, length: float, t: ArrayLike, order: int = 0) -> Array:
+    """Derivative of every periodic B-spline of an axis at every t: (m, count)."""
+    first, values = window(degree, count, length, t, order)
+    matrix = np.zeros((len(first), count))
+    for j, value in enumerate(values):
+        np.add.at(matrix, (np.arange(len(first)), (first + j) % count), value)
+    return matrix
+
+
+@dataclass(frozen=True)
+class ClosedBasis:
+    """Splines of one degree on the circle, ``shape`` (n,), or the sphere, (rows, columns).
+
+    Coefficients and values at the collocation points are arrays (..., *shape).  Raises
+    ShapeError for fewer points than a degree needs, and for odd numbers of columns.
+    """
+
+    degree: int
+    shape: tuple[int, ...]
+
+    def __post_init__(self) -> None:
+        if self.degree < 2:
+            raise ShapeError("closed splines need degree 2 or higher, for their curvature")
+        if min(self.shape) <= self.degree or len(self.shape) == 2 and self.shape[1] % 2:
+            raise ShapeError(
+                f"{self.shape} points do not carry a closed spline of degree {self.degree}: take "
+                "more than the degree in each direction, and an even number around the poles"
+            )
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of space: 2 for curves, 3 for surfaces."""
+        return len(self.shape) + 1
+
+    @property
+    def count(self) -> int:
+        """Number of collocation points."""
+        return int(np.prod(self.shape))
+
+    @property
+    def lengths(self) -> tuple[float, ...]:
+        """Range of each parameter: 2π, or π (colatitude) and 2π (longitude)."""
+        return (np.pi, 2 * np.pi)[-len(self.shape) :]
+
+    def refined(self, factor: int) -> ClosedBasis:
+        """The basis with ``factor`` times as many points in each direction."""
+        return ClosedBasis(self.degree, tuple(factor * n for n in self.shape))
+
+    def axes(self) -> list[Array]:
+        """Parameters of the collocation points in each direction."""
+        pairs = zip(self.shape, self.lengths, strict=True)
+        return [(np.arange(n) + 0.5) * length / n for n, length in pairs]
+
+    def parameters(self) -> Array:
+        """Parameters (p, count) of the collocation points, the last parameter fastest."""
+        return np.stack([g.ravel() for g in np.meshgrid(*self.axes(), indexing="ij")])
+
+    def doubled(self, array: Array) -> Array:
+        """Coefficients or values continued over the poles to a full turn of the colatitude."""
+        if len(self.shape) == 1:
+            return array
+        beyond = np.roll(array[..., ::-1, :], array.shape[-1] // 2, axis=-1)
+        return np.concatenate([array, beyond], axis=-2)
+
+    def axis_matrices(self, axes: list[Array], orders: tuple[int, ...]) -> list[Array]:
+        """Matrices that evaluate doubled coefficients on a grid, one for each direction."""
+        turns = (2 * self.shape[0], self.shape[1]) if len(self.shape) == 2 else self.shape
+        return [
+            periodic_matrix(self.degree, n, 2 * np.pi, axis, order)
+            for n, axis, order in zip(turns, axes, orders, strict=True)
+        ]
+
+    def on_grid(self, coefficients: Array, matrices: list[Array]) -> Array:
+        """Values on a grid, with matrices from ``axis_matrices``."""
+        result = self.doubled(coefficients) @ matrices[-1].T
+        return matrices[0] @ result if len(matrices) == 2 else result
+
+    def evaluate(
+        self, coefficients: Array, parameters: ArrayLike, orders: tuple[int, ...] | None = None
+    ) -> Array:
+        """Values or derivatives (..., M) at parameters (p, M) anywhere."""
+        orders = orders or (0,) * len(self.shape)
+        parameters = np.asarray(parameters, dtype=float)
+        data = self.doubled(coefficients)
+        first, values = window(self.degree, self.shape[-1], 2 * np.pi, parameters[-1], orders[-1])
+        width = np.arange(self.degree + 1)[:, None]
+        columns = (first + width) % self.shape[-1]
+        if len(self.shape) == 1:
+            return (data[..., columns] * values).sum(axis=-2)
+        first, row_values = window(self.degree, data.shape[-2], 2 * np.pi, parameters[0], orders[0])
+        rows = (first + width) % data.shape[-2]
+        picked = data[..., rows[:, None], columns[None]]
+        return np.einsum("...abm,am,bm->...m", picked, row_values, values, optimize=True)
+
+    def interpolate(self, values: Array) -> Array:
+        """Coefficients of the tensor product spline with these collocation values."""
+        axes = tuple(range(-len(self.shape), 0))
+        full = self.doubled(values)
+        symbol = np.ones(())
+        for n in full.shape[-len(self.shape) :]:
+            symbol = symbol[..., None] * self._symbol(n)
+        result = np.fft.ifftn(np.fft.fftn(full, axes=axes) / symbol, axes=axes).real
+        return result[..., : self.shape[0], :] if len(self.shape) == 2 else result
+
+    def _symbol(self, count: int) -> Array:
+        """Factors by which the B-splines' values at their centres multiply Fourier modes."""
+        row = periodic_matrix(self.degree, count, float(count), [0.5])[0]
+        return np.fft.fft(row).real
+
+    def fit(self, values: Array) -> Array:
+        """Coefficients of the smooth spline nearest to values at the collocation points.
+
+        On the circle it interpolates; on the sphere it is the least squares fit, each point with
+        its share of the sphere's area, among splines that are smooth at the poles.
+        """
+        if len(self.shape) == 1:
+            return self.interpolate(values)
+        modes = np.fft.rfft(values, axis=-1)
+        fitted = np.einsum("mij,...jm->...im", self._fits, modes)
+        return np.fft.irfft(fitted, n=self.shape[1], axis=-1)
+
+    def smoothed(self, coefficients: Array) -> Array:
+        """The nearest coefficients (least squares) of a function that is smooth at the poles."""
+        if len(self.shape) == 1:
+            return coefficients
+        modes = np.fft.rfft(coefficients, axis=-1)
+        kept = np.einsum("mij,...jm->...im", self._smooth, modes)
+        return np.fft.irfft(kept, n=self.shape[1], axis=-1)
+
+    @cached_property
+    def _smooth(self) -> Array:
+        """Orthogonal projectors (modes, rows, rows) onto the smooth modes."""
+        return np.stack([z @ z.T for z in self._smooth_modes])
+
+    @cached_property
+    def _fits(self) -> Array:
+        """Least squares fits (modes, rows, rows) from values to coefficients, mode by mode."""
+        rows, columns = self.shape
+        root = np.sqrt(np.sin(self.axes()[0]))[:, None]
+        values, symbol = self._row_matrix(self.axes()[0], 0), self._symbol(columns)
+        fits = []
+        for m, smooth in enumerate(self._smooth_modes):
+            matrix = symbol[m] * (values[0] + (-1) ** m * values[1]) @ smooth
+            fits.append(smooth @ np.linalg.pinv(root * matrix) * root[:, 0])
+        return np.stack(fits)
+
+    def _row_matrix(self, colatitude: Array, order: int) -> tuple[Array, Array]:
+        """Rows' functions at colatitudes: their own part, and their part beyond the poles."""
+        rows = self.shape[0]
+        both = periodic_matrix(self.degree, 2 * rows, 2 * np.pi, colatitude, order)
+        return both[:, :rows], both[:, rows:][:, ::-1]
+
+    @cached_property
+    def _smooth_modes(self) -> list[Array]:
+        """Orthonormal bases (rows, ·) of each azimuthal mode's smooth functions."""
+        rows, columns = self.shape
+        poles, unit = np.array([0.0, np.pi]), np.pi / rows
+        derivatives = [
+            [part * unit**d for part in self._row_matrix(poles, d)] for d in range(self.degree)
+        ]
+        waves = np.maximum(self.degree + 1, ROOM * columns / 2 * np.sin(self.axes()[0]))
+        bases = []
+        for m in range(columns // 2 + 1):
+            conditions = [np.eye(rows)[waves < m]]
+            for d in range(m % 2, min(m, self.degree), 2):
+                own, beyond = derivatives[d]
+                conditions.append(own + (-1) ** m * beyond)
+            stacked = np.concatenate(conditions)
+            bases.append(null_space(stacked, rcond=1e-10) if len(stacked) else np.eye(rows))
+        return bases
+
+
+def round_basis(dimension: int, points: int, degree: int) -> ClosedBasis:
+    """A basis of about ``points`` points; on a sphere twice as many around as between poles."""
+    if dimension == 2:
+        return ClosedBasis(degree, (points,))
+    rows = round(np.sqrt(points / 2))
+    return ClosedBasis(degree, (rows, 2 * rows))
+
+
+def unit_point(*parameters: ArrayLike) -> Array:
+    """Point (dim, ...) of the unit circle or sphere; poles of the sphere on the z axis."""
+    if len(parameters) == 1:
+        return np.stack([np.cos(parameters[0]), np.sin(parameters[0])])
+    colatitude, longitude = np.broadcast_arrays(*parameters)
+    sine = np.sin(colatitude)
+    return np.stack([sine * np.cos(longitude), sine * np.sin(longitude), np.cos(colatitude)])
+
+
+@dataclass(frozen=True, eq=False)
+class ClosedSpline:
+    """A closed curve or surface: ``coefficients`` (dim, *basis.shape).
+
+    Curves run counter-clockwise, surfaces have x_θ × x_φ outwards.
+    """
+
+    basis: ClosedBasis
+    coefficients: Array
+
+    @property
+    def dimension(self) -> int:
+        """Dimension of space."""
+        return self.basis.dimension
+
+    def evaluate(self, parameters: ArrayLike, orders: tuple[int, ...] | None = None) -> Array:
+        """Points or derivatives (dim, M) at parameters (p, M)."""
+        return self.basis.evaluate(self.coefficients, parameters, orders)
+
+    def points(self) -> Array:
+        """Collocation points (dim, count)."""
+        return self.evaluate(self.basis.parameters())
+
+    def patch(self, coefficients: Array | None = None) -> Nurbs:
+        """The same curve or surface as one patch with open knots, or another field on it.
+
+        Its domain is 0 ... 2π, or colatitude 0 ... π by longitude 0 ... 2π.  The patch's
+        functions span the splines on that range, so interpolation is exact.
+        """
+        field = self.coefficients if coefficients is None else coefficients
+        knots, sites, matrices = [], [], []
+        for n, length in zip(self.basis.shape, self.basis.lengths, strict=True):
+            inner = (np.arange(n + 1) - 0.5 * (self.basis.degree % 2)) * length / n
+            breaks = np.concatenate([[0.0], inner[(inner > 0) & (inner < length)], [length]])
+            knots.append(open_knots(self.basis.degree, breaks))
+            sites.append(greville(self.basis.degree, knots[-1]))
+            matrices.append(np.linalg.inv(basis_matrix(self.basis.degree, knots[-1], sites[-1])))
+        grid = self.basis.axis_matrices(sites, (0,) * len(knots))
+        values = self.basis.on_grid(field, grid) @ matrices[-1].T
+        if len(matrices) == 2:
+            values = matrices[0] @ values
+        points = np.moveaxis(values, 0, -1)
+        degrees = (self.basis.degree,) * len(knots)
+        return Nurbs(degrees, tuple(knots), points, np.ones(points.shape[:-1]))
+
+
+def closed_spline(basis: ClosedBasis, shape: Callable[[Array], Array]) -> ClosedSpline:
+    """The image of the unit circle or sphere under ``shape((dim, N)) -> (dim, N)``."""
+    values = shape(unit_point(*basis.parameters()))
+    return ClosedSpline(basis, basis.fit(values.reshape(-1, *basis.shape)))
+
+
+def spline_ellipsoid(
+    semi_axes: ArrayLike,
+    centre: ArrayLike | None = None,
+    points: int = 200,
+    degree: int = 4,
+    pole: int = 2,
+) -> ClosedSpline:
+    """An ellipsoid along the coordinate axes with its poles on the axis ``pole`` (0, 1 or 2)."""
+    axes = np.asarray(semi_axes, dtype=float)
+    middle = np.zeros(len(axes)) if centre is None else np.asarray(centre, dtype=float)
+    turn = 2 - pole if len(axes) == 3 else 0
+
+    def shape(unit: Array) -> Array:
+        return middle[:, None] + axes[:, None] * np.roll(unit, -turn, axis=0)
+
+    return closed_spline(round_basis(len(axes), points, degree), shape)
+
+
+def spline_sphere(
+    radius: float = 1.0,
+    centre: ArrayLike = (0.0, 0.0, 0.0),
+    points: int = 200,
+    degree: int = 4,
+    pole: int = 2,
+) -> ClosedSpline:
+    """A sphere of about ``points`` collocation points."""
+    return spline_ellipsoid((radius,) * 3, centre, points, degree, pole)
+
+
+def spline_ellipse(
+    semi_axes: ArrayLike, centre: ArrayLike = (0.0, 0.0), points: int = 64, degree: int = 4
+) -> ClosedSpline:
+    """An ellipse along the coordinate axes."""
+    return spline_ellipsoid(semi_axes, centre, points, degree)
+
+
+def spline_circle(
+    radius: float = 1.0, centre: ArrayLike = (0.0, 0.0), points: int = 64, degree: int = 4
+) -> ClosedSpline:
+    """A circle of ``points`` collocation points."""
+    return spline_ellipse((radius, radius), centre, points, degree)
