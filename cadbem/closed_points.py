@@ -41,6 +41,15 @@ class ClosedGrid:
         result = self.basis.on_grid(coefficients, matrices)
         return result.reshape(*result.shape[: -len(self.axes)], -1)
 
+    def transposed(self, values: Array) -> Array:
+        """Coefficients Σ_n N_i(n) values_n (..., *shape) of values (..., N): the transpose."""
+        matrices = self._matrices[(0,) * len(self.axes)]
+        shaped = values.reshape(*values.shape[:-1], *(len(axis) for axis in self.axes))
+        result = shaped @ matrices[-1]
+        if len(matrices) == 1:
+            return result
+        return self.basis.folded(matrices[0].T @ result)
+
     def first(self, coefficients: Array) -> Array:
         """First derivatives (p, ..., N)."""
         return np.stack([self.values(coefficients, o) for o in self._units])

@@ -109,6 +109,12 @@ class ClosedBasis:
         beyond = np.roll(array[..., ::-1, :], array.shape[-1] // 2, axis=-1)
         return np.concatenate([array, beyond], axis=-2)
 
+    def folded(self, array: Array) -> Array:
+        """The transpose of ``doubled``: what lies beyond the poles is added where it belongs."""
+        rows = self.shape[0]
+        beyond = np.roll(array[..., rows:, :], -(array.shape[-1] // 2), axis=-1)
+        return array[..., :rows, :] + beyond[..., ::-1, :]
+
     def axis_matrices(self, axes: list[Array], orders: tuple[int, ...]) -> list[Array]:
         """Matrices that evaluate doubled coefficients on a grid, one for each direction."""
         turns = (2 * self.shape[0], self.shape[1]) if len(self.shape) == 2 else self.shape

@@ -1,0 +1,1 @@
+"""Bodies that flow along: interfaces, droplets, their motion in time."""
