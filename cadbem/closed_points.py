@@ -68,7 +68,7 @@ class ClosedGrid:
         """The points of a curve or surface on this grid."""
         tangents = self.first(spline.coefficients)
         second = self.second(spline.coefficients)
-        area = area_vector(*tangents)
+        area = np.ascontiguousarray(area_vector(*tangents))  # a cross product comes transposed
         length = np.linalg.norm(area, axis=0)
         normal = area / length
         duals = np.stack(dual_tangents(*tangents))

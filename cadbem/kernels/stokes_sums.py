@@ -3,8 +3,9 @@
     single_j(x0) = Σ G_ij(x, x0) q_i,    double_j(x0) = Σ T_ijk(x, x0) a_k (u_i(x) - u0_i)
 
 with G and T as in ``stokes_2d`` and ``stokes_3d``; the quadrature weights are in q and in the area
-vectors a, and u0 belongs to the target.  Target t takes the sources starts[t] ... stops[t] - 1; a
-source at the target itself is left out.  Sums are added to ``out`` (dim, T).
+vectors a, and u0 belongs to the target.  A source at the target itself is left out.  Sums are added
+to ``out`` (dim, T).  Each comes twice: over the same N sources for all T targets, arrays (dim, N),
+and over K sources for each target, arrays (dim, K, T).
 """
 
 from __future__ import annotations
@@ -15,105 +16,189 @@ from math import log, pi, sqrt
 
 from numba import njit
 
+# min and max instead of a branch for sources at the target, so that loops become vector code
+TINY, LARGE = 1e-280, 1e270
+SETTINGS = {"cache": True, "nogil": True, "fastmath": True, "error_model": "numpy"}
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _single_3d(targets, starts, stops, position, density, out):
+
+@njit(inline="always", **SETTINGS)
+def _stokeslet_3d(rx, ry, rz, qx, qy, qz):
+    square = max(rx * rx + ry * ry + rz * rz, TINY)
+    inverse = min(square * LARGE, 1.0) / sqrt(square)
+    along = (rx * qx + ry * qy + rz * qz) * inverse * inverse
+    return inverse * (qx + rx * along), inverse * (qy + ry * along), inverse * (qz + rz * along)
+
+
+@njit(inline="always", **SETTINGS)
+def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
+    square = max(rx * rx + ry * ry + rz * rz, TINY)
+    inverse = min(square * LARGE, 1.0) / sqrt(square)
+    squared = inverse * inverse
+    flux = rx * ax + ry * ay + rz * az
+    factor = -6.0 * (rx * ux + ry * uy + rz * uz) * flux * squared * squared * inverse
+    return factor * rx, factor * ry, factor * rz
+
+
+@njit(inline="always", **SETTINGS)
+def _stokeslet_2d(rx, ry, qx, qy):
+    square = max(rx * rx + ry * ry, TINY)
+    there = min(square * LARGE, 1.0)
+    inverse = there / square
+    logarithm = -0.5 * there * log(square)
+    along = (rx * qx + ry * qy) * inverse
+    return logarithm * qx + rx * along, logarithm * qy + ry * along
+
+
+@njit(inline="always", **SETTINGS)
+def _stresslet_2d(rx, ry, ax, ay, ux, uy):
+    square = max(rx * rx + ry * ry, TINY)
+    inverse = min(square * LARGE, 1.0) / square
+    factor = -4.0 * (rx * ux + ry * uy) * (rx * ax + ry * ay) * inverse * inverse
+    return factor * rx, factor * ry
+
+
+@njit(**SETTINGS)
+def _single_3d(targets, position, density, out):
+    px, py, pz = position[0], position[1], position[2]
+    qx, qy, qz = density[0], density[1], density[2]
     for t in range(targets.shape[1]):
         x, y, z = targets[0, t], targets[1, t], targets[2, t]
-        low, high = starts[t], stops[t]
-        px, py, pz = position[0, low:high], position[1, low:high], position[2, low:high]
-        qx, qy, qz = density[0, low:high], density[1, low:high], density[2, low:high]
         sx = sy = sz = 0.0
-        for k in range(high - low):
-            rx, ry, rz = px[k] - x, py[k] - y, pz[k] - z
-            square = rx * rx + ry * ry + rz * rz
-            inverse = 1.0 / sqrt(square) if square > 0.0 else 0.0
-            along = (rx * qx[k] + ry * qy[k] + rz * qz[k]) * inverse * inverse
-            sx += inverse * (qx[k] + rx * along)
-            sy += inverse * (qy[k] + ry * along)
-            sz += inverse * (qz[k] + rz * along)
+        for k in range(len(px)):
+            vx, vy, vz = _stokeslet_3d(px[k] - x, py[k] - y, pz[k] - z, qx[k], qy[k], qz[k])
+            sx += vx
+            sy += vy
+            sz += vz
         out[0, t] += sx
         out[1, t] += sy
         out[2, t] += sz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _double_3d(targets, offset, starts, stops, position, area, density, out):
+@njit(**SETTINGS)
+def _single_near_3d(targets, position, density, out):
+    x, y, z = targets[0], targets[1], targets[2]
+    for k in range(position.shape[1]):
+        px, py, pz = position[0, k], position[1, k], position[2, k]
+        qx, qy, qz = density[0, k], density[1, k], density[2, k]
+        for t in range(len(x)):
+            vx, vy, vz = _stokeslet_3d(
+                px[t] - x[t], py[t] - y[t], pz[t] - z[t], qx[t], qy[t], qz[t]
+            )
+            out[0, t] += vx
+            out[1, t] += vy
+            out[2, t] += vz
+
+
+@njit(**SETTINGS)
+def _double_3d(targets, offset, position, area, density, out):
+    px, py, pz = position[0], position[1], position[2]
+    ax, ay, az = area[0], area[1], area[2]
+    ux, uy, uz = density[0], density[1], density[2]
     for t in range(targets.shape[1]):
         x, y, z = targets[0, t], targets[1, t], targets[2, t]
         ox, oy, oz = offset[0, t], offset[1, t], offset[2, t]
-        low, high = starts[t], stops[t]
-        px, py, pz = position[0, low:high], position[1, low:high], position[2, low:high]
-        ax, ay, az = area[0, low:high], area[1, low:high], area[2, low:high]
-        ux, uy, uz = density[0, low:high], density[1, low:high], density[2, low:high]
         sx = sy = sz = 0.0
-        for k in range(high - low):
-            rx, ry, rz = px[k] - x, py[k] - y, pz[k] - z
-            square = rx * rx + ry * ry + rz * rz
-            inverse = 1.0 / sqrt(square) if square > 0.0 else 0.0
-            squared = inverse * inverse
-            along = rx * (ux[k] - ox) + ry * (uy[k] - oy) + rz * (uz[k] - oz)
-            flux = rx * ax[k] + ry * ay[k] + rz * az[k]
-            factor = -6.0 * along * flux * squared * squared * inverse
-            sx += factor * rx
-            sy += factor * ry
-            sz += factor * rz
+        for k in range(len(px)):
+            vx, vy, vz = _stresslet_3d(
+                px[k] - x, py[k] - y, pz[k] - z, ax[k], ay[k], az[k],
+                ux[k] - ox, uy[k] - oy, uz[k] - oz,
+            )  # fmt: skip
+            sx += vx
+            sy += vy
+            sz += vz
         out[0, t] += sx
         out[1, t] += sy
         out[2, t] += sz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _single_2d(targets, starts, stops, position, density, out):
+@njit(**SETTINGS)
+def _double_near_3d(targets, offset, position, area, density, out):
+    x, y, z = targets[0], targets[1], targets[2]
+    ox, oy, oz = offset[0], offset[1], offset[2]
+    for k in range(position.shape[1]):
+        px, py, pz = position[0, k], position[1, k], position[2, k]
+        ax, ay, az = area[0, k], area[1, k], area[2, k]
+        ux, uy, uz = density[0, k], density[1, k], density[2, k]
+        for t in range(len(x)):
+            vx, vy, vz = _stresslet_3d(
+                px[t] - x[t], py[t] - y[t], pz[t] - z[t], ax[t], ay[t], az[t],
+                ux[t] - ox[t], uy[t] - oy[t], uz[t] - oz[t],
+            )  # fmt: skip
+            out[0, t] += vx
+            out[1, t] += vy
+            out[2, t] += vz
+
+
+@njit(**SETTINGS)
+def _single_2d(targets, position, density, out):
+    px, py = position[0], position[1]
+    qx, qy = density[0], density[1]
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]
         sx = sy = 0.0
-        for k in range(starts[t], stops[t]):
-            rx, ry = position[0, k] - x, position[1, k] - y
-            square = rx * rx + ry * ry
-            if square > 0.0:
-                qx, qy = density[0, k], density[1, k]
-                along = (rx * qx + ry * qy) / square
-                logarithm = -0.5 * log(square)
-                sx += logarithm * qx + rx * along
-                sy += logarithm * qy + ry * along
+        for k in range(len(px)):
+            vx, vy = _stokeslet_2d(px[k] - x, py[k] - y, qx[k], qy[k])
+            sx += vx
+            sy += vy
         out[0, t] += sx
         out[1, t] += sy
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
-def _double_2d(targets, offset, starts, stops, position, area, density, out):
+@njit(**SETTINGS)
+def _single_near_2d(targets, position, density, out):
+    for k in range(position.shape[1]):
+        for t in range(targets.shape[1]):
+            rx, ry = position[0, k, t] - targets[0, t], position[1, k, t] - targets[1, t]
+            vx, vy = _stokeslet_2d(rx, ry, density[0, k, t], density[1, k, t])
+            out[0, t] += vx
+            out[1, t] += vy
+
+
+@njit(**SETTINGS)
+def _double_2d(targets, offset, position, area, density, out):
+    px, py = position[0], position[1]
+    ax, ay = area[0], area[1]
+    ux, uy = density[0], density[1]
     for t in range(targets.shape[1]):
-        x, y = targets[0, t], targets[1, t]
-        ox, oy = offset[0, t], offset[1, t]
+        x, y, ox, oy = targets[0, t], targets[1, t], offset[0, t], offset[1, t]
         sx = sy = 0.0
-        for k in range(starts[t], stops[t]):
-            rx, ry = position[0, k] - x, position[1, k] - y
-            square = rx * rx + ry * ry
-            if square > 0.0:
-                along = rx * (density[0, k] - ox) + ry * (density[1, k] - oy)
-                flux = rx * area[0, k] + ry * area[1, k]
-                factor = -4.0 * along * flux / (square * square)
-                sx += factor * rx
-                sy += factor * ry
+        for k in range(len(px)):
+            vx, vy = _stresslet_2d(px[k] - x, py[k] - y, ax[k], ay[k], ux[k] - ox, uy[k] - oy)
+            sx += vx
+            sy += vy
         out[0, t] += sx
         out[1, t] += sy
+
+
+@njit(**SETTINGS)
+def _double_near_2d(targets, offset, position, area, density, out):
+    for k in range(position.shape[1]):
+        for t in range(targets.shape[1]):
+            rx, ry = position[0, k, t] - targets[0, t], position[1, k, t] - targets[1, t]
+            ux, uy = density[0, k, t] - offset[0, t], density[1, k, t] - offset[1, t]
+            vx, vy = _stresslet_2d(rx, ry, area[0, k, t], area[1, k, t], ux, uy)
+            out[0, t] += vx
+            out[1, t] += vy
 
 
 @dataclass(frozen=True)
 class StokesSums:
     """Both sums in one dimension, and ∫ T·n over a closed surface at a point of it.
 
-    ``free_term`` is positive: with n outwards the integral is -free_term times the identity.
+    ``single(targets, position, q, out)`` and ``double(targets, u0, position, a, u, out)``, and
+    their variants with sources for each target.  ``free_term`` is positive: with n outwards
+    ∫ T·n is -free_term times the identity.
     """
 
     single: Callable[..., None]
+    single_near: Callable[..., None]
     double: Callable[..., None]
+    double_near: Callable[..., None]
     free_term: float
 
 
 def stokes_sums(dimension: int) -> StokesSums:
     """The sums in 2 or 3 dimensions."""
     if dimension == 2:
-        return StokesSums(_single_2d, _double_2d, 2 * pi)
-    return StokesSums(_single_3d, _double_3d, 4 * pi)
+        return StokesSums(_single_2d, _single_near_2d, _double_2d, _double_near_2d, 2 * pi)
+    return StokesSums(_single_3d, _single_near_3d, _double_3d, _double_near_3d, 4 * pi)

@@ -8,7 +8,7 @@ need are interpolated by splines on the grid, which is finer than the collocatio
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -31,40 +31,51 @@ from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, window
 
 
-@njit(cache=True, nogil=True, fastmath=True)
-def _gather(spline, row_first, row_values, column_first, column_values, weights,
-            grid, grid_rows, grid_columns, corrections, shifts, out):  # fmt: skip
-    """Weighted fields at the nodes near each target of a row: out (fields, T (K + K')).
+THREADS_FROM = 400  # points from which threads are worth starting
 
-    ``spline`` (rows, columns, fields) are coefficients with enough rows and columns repeated
-    around them, ``grid`` (rows, columns, fields) values at the grid's nodes.
+
+@njit(cache=True, nogil=True, fastmath=True)
+def _gather(spline, first_row, row_values, first_column, column_values, weights,
+            grid, grid_rows, grid_columns, corrections, out):  # fmt: skip
+    """Weighted fields at the nodes near each of T targets in a row: out (fields, K + K', T).
+
+    ``spline`` (rows, m, ·) are coefficients and ``grid`` (rows, m, ·) values at the grid's nodes;
+    those of column c begin at [c % m, c // m × fields], and columns repeat often enough.  The
+    target t lies m t columns behind the first, so all targets' values are neighbours in memory.
     """
-    fields = spline.shape[2]
-    near, extra = len(weights), len(corrections)
-    period = grid.shape[1]
-    degree = column_values.shape[0] - 1
-    width = (degree + 1) * fields
-    flat = spline.reshape(spline.shape[0], -1)
-    band = np.empty(width)
-    for t in range(len(shifts)):
-        base = t * (near + extra)
-        for k in range(near):
-            start = ((column_first[k] + shifts[t]) % period) * fields
-            band[:] = 0.0
-            for a in range(row_values.shape[0]):
-                row = flat[row_first[k] + a, start : start + width]
-                factor = row_values[a, k]
-                for m in range(width):
-                    band[m] += factor * row[m]
-            for f in range(fields):
-                total = 0.0
-                for b in range(degree + 1):
-                    total += column_values[b, k] * band[b * fields + f]
-                out[f, base + k] = total * weights[k]
-        for k in range(extra):
-            column = (grid_columns[k] + shifts[t]) % period
-            for f in range(fields):
-                out[f, base + near + k] = grid[grid_rows[k], column, f] * corrections[k]
+    fields, targets, residues = out.shape[0], out.shape[2], spline.shape[1]
+    orders = column_values.shape[0]
+    width = fields * targets
+    length = width + fields * ((orders + residues - 1) // residues)
+    band, mixed = np.empty((residues, length)), np.empty(width)
+    near = len(weights)
+    for k in range(near):
+        first, start = first_column[k], first_column[k] // residues
+        band[:] = 0.0
+        for a in range(row_values.shape[0]):
+            factor = row_values[a, k] * weights[k]
+            for q in range(residues):
+                source = spline[first_row[k] + a, q, fields * start : fields * start + length]
+                sink = band[q]
+                for m in range(length):
+                    sink[m] += factor * source[m]
+        mixed[:] = 0.0
+        for b in range(orders):
+            factor, low = column_values[b, k], fields * ((first + b) // residues - start)
+            source = band[(first + b) % residues, low : low + width]
+            for m in range(width):
+                mixed[m] += factor * source[m]
+        for f in range(fields):
+            sink = out[f, k]
+            for t in range(targets):
+                sink[t] = mixed[t * fields + f]
+    for k in range(len(corrections)):
+        low = fields * (grid_columns[k] // residues)
+        source = grid[grid_rows[k], grid_columns[k] % residues, low : low + width]
+        for f in range(fields):
+            sink = out[f, near + k]
+            for t in range(targets):
+                sink[t] = corrections[k] * source[t * fields + f]
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,11 +124,10 @@ class ClosedOperator:
         """Splines whose collocation points are the quadrature nodes."""
         return ClosedBasis(self.basis.degree, tuple(len(axis) for axis in self.nodes.axes))
 
-    @cached_property
-    def shifts(self) -> Index:
-        """How many grid columns each target lies behind the first one of its row."""
-        factor = self.fine.shape[-1] // self.basis.shape[-1]
-        return factor * np.arange(self.basis.shape[-1], dtype=np.int64)
+    @property
+    def factor(self) -> int:
+        """Grid columns from one target of a row to the next."""
+        return self.fine.shape[-1] // self.basis.shape[-1]
 
     @cached_property
     def tables(self) -> list[_NearTable]:
@@ -131,55 +141,59 @@ class ClosedOperator:
         if self.basis.dimension == 3:
             rows, row_values = window(degree, self.fine.shape[0], np.pi, near.parameters[0])
             rows = rows + degree  # the padded array begins that many rows earlier
+        first = first % self.fine.shape[-1]
         tail = (near.weights, near.rows, near.columns, near.corrections)
         return _NearTable(rows, row_values, first, values, *tail)
 
-    def padded(self, values: Array) -> Array:
-        """Spline coefficients (rows, columns, fields) through values at the grid's nodes, with
-        ``degree`` rows repeated around the poles and as many columns past the last."""
+    def _padded(self, values: Array) -> Array:
+        """Spline coefficients through values at the grid's nodes, for ``_gather``, with ``degree``
+        rows repeated around the poles."""
         basis = self.fine
         full = basis.doubled(basis.interpolate(values.reshape(-1, *basis.shape)))
         if basis.dimension == 2:
-            full = full[:, None]
-            rows = np.zeros(1, dtype=int)
-        else:
-            rows = np.arange(-basis.degree, basis.shape[0] + basis.degree) % full.shape[1]
-        columns = np.arange(basis.shape[-1] + basis.degree) % basis.shape[-1]
-        return np.ascontiguousarray(np.moveaxis(full[:, rows[:, None], columns], 0, -1))
+            return self._residues(full[:, None])
+        rows = np.arange(-basis.degree, basis.shape[0] + basis.degree) % full.shape[1]
+        return self._residues(full[:, rows])
 
-    def on_nodes(self, values: Array) -> Array:
-        """Values (fields, nodes) as an array (rows, columns, fields)."""
-        shaped = values.reshape(len(values), -1, self.fine.shape[-1])
-        return np.ascontiguousarray(np.moveaxis(shaped, 0, -1))
+    def _residues(self, values: Array) -> Array:
+        """Arrays (fields, rows, columns) as (rows, m, ·): see ``_gather``."""
+        m, columns = self.factor, self.basis.shape[-1]
+        split = values.reshape(*values.shape[:2], columns, m)
+        places = np.arange(2 * columns + self.basis.degree + 1) % columns
+        ordered = split[:, :, places].transpose(1, 3, 2, 0)
+        return np.ascontiguousarray(ordered).reshape(*ordered.shape[:2], -1)
 
     def near(self, values: Array, weighted: bool) -> list[Array]:
-        """Fields (fields, nodes) at the near nodes of all targets, row by row of targets.
-
-        ``weighted`` multiplies them by the nodes' weights.
-        """
-        spline, grid = self.padded(values), self.on_nodes(values)
+        """Fields (fields, K, T) of fields (fields, nodes) at the nodes near the T targets of each
+        row; ``weighted`` multiplies them by the nodes' weights."""
+        if not self.tables:
+            return []
+        spline = self._padded(values)
+        grid = self._residues(values.reshape(len(values), -1, self.fine.shape[-1]))
 
         def row(table: _NearTable) -> Array:
-            out = np.empty((len(values), len(self.shifts) * table.count))
+            out = np.empty((len(values), table.count, self.basis.shape[-1]))
             weights, corrections = table.weights, table.corrections
             if not weighted:
                 weights, corrections = np.ones_like(weights), np.ones_like(corrections)
             _gather(
                 spline, table.row_first, table.row_values, table.column_first,
                 table.column_values, weights, grid, table.grid_rows, table.grid_columns,
-                corrections, self.shifts, out,
+                corrections, out,
             )  # fmt: skip
             return out
 
-        return in_threads(row, self.tables)
+        return self.by_rows(row, self.tables)
 
-
-def in_threads(task, items: list) -> list:
-    """Results of a task for each item, on all cores."""
-    if len(items) < 2:
-        return [task(item) for item in items]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(task, items))
+    def by_rows(self, task: Callable, items: Sequence) -> list:
+        """Results of a task for each row of targets, on all cores if that pays."""
+        cores = os.cpu_count() or 1
+        if self.basis.count < THREADS_FROM or cores == 1:
+            return [task(item) for item in items]
+        with ThreadPoolExecutor(cores) as pool:
+            shares = pool.map(lambda k: [task(item) for item in items[k::cores]], range(cores))
+            mixed = list(shares)
+        return [mixed[i % cores][i // cores] for i in range(len(items))]
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +251,7 @@ class ClosedLayers:
     def _single(self, vector: Array) -> Array:
         source = vector * self.operator.nodes.weights
         near = [[part] for part in self.operator.near(vector, weighted=True)]
-        return self._total(self._sums.single, [], [source], near)
+        return self._total(self._sums.single, self._sums.single_near, [], [source], near)
 
     def double(self, coefficients: Array) -> Array:
         """∫ u·T·n dS (dim, N), principal values, for u with coefficients (dim, *shape).
@@ -249,31 +263,29 @@ class ClosedLayers:
         weighted = self.area * self.operator.nodes.weights
         near_density = self.operator.near(nodes, weighted=False)
         near = [list(pair) for pair in zip(self._near_area, near_density, strict=True)]
-        return self._total(self._sums.double, [own], [weighted, nodes], near) - (
-            self._sums.free_term * own
-        )
+        functions = self._sums.double, self._sums.double_near
+        return self._total(*functions, [own], [weighted, nodes], near) - self._sums.free_term * own
 
     def _total(
         self,
-        function: Callable[..., None],
+        far_sum: Callable[..., None],
+        near_sum: Callable[..., None],
         at_targets: list[Array],
         at_nodes: list[Array],
         near: list[list[Array]],
     ) -> Array:
         """A sum over the grid's nodes and the nodes near each target: (dim, N)."""
-        columns = len(self.operator.shifts)
-        every = np.full(columns, self.points.position.shape[1])
+        columns = self.operator.basis.shape[-1]
+        sources = [np.ascontiguousarray(a) for a in (self.points.position, *at_nodes)]
 
         def row(j: int) -> Array:
             part = slice(j * columns, (j + 1) * columns)
             own = [np.ascontiguousarray(a[:, part]) for a in (self.targets.position, *at_targets)]
             out = np.zeros_like(own[0])
-            function(*own, 0 * every, every, self.points.position, *at_nodes, out)
+            far_sum(*own, *sources, out)
             if near:
-                position = self._near_position[j]
-                ends = np.arange(columns + 1) * (position.shape[1] // columns)
-                function(*own, ends[:-1], ends[1:], position, *near[j], out)
+                near_sum(*own, self._near_position[j], *near[j], out)
             return out
 
-        rows = self.targets.position.shape[1] // columns
-        return np.concatenate(in_threads(row, list(range(rows))), axis=1)
+        rows = range(self.targets.position.shape[1] // columns)
+        return np.concatenate(self.operator.by_rows(row, rows), axis=1)

@@ -149,11 +149,16 @@ class ClosedBasis:
         """Coefficients of the tensor product spline with these collocation values."""
         axes = tuple(range(-len(self.shape), 0))
         full = self.doubled(values)
-        symbol = np.ones(())
-        for n in full.shape[-len(self.shape) :]:
-            symbol = symbol[..., None] * self._symbol(n)
-        result = np.fft.ifftn(np.fft.fftn(full, axes=axes) / symbol, axes=axes).real
+        shape = full.shape[-len(self.shape) :]
+        modes = np.fft.rfftn(full, axes=axes) / self._symbols
+        result = np.fft.irfftn(modes, s=shape, axes=axes)
         return result[..., : self.shape[0], :] if len(self.shape) == 2 else result
+
+    @cached_property
+    def _symbols(self) -> Array:
+        """Those of ``doubled`` coefficients, in the layout of ``rfftn``."""
+        last = self._symbol(self.shape[-1])[: self.shape[-1] // 2 + 1]
+        return last if len(self.shape) == 1 else np.outer(self._symbol(2 * self.shape[0]), last)
 
     def _symbol(self, count: int) -> Array:
         """Factors by which the B-splines' values at their centres multiply Fourier modes."""

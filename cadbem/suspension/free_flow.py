@@ -31,7 +31,7 @@ from cadbem.spline.basis import Array
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.interface import Jump
 
-SOLVER_TOLERANCE = 1e-9
+SOLVER_TOLERANCE = 1e-8
 
 
 class BackgroundFlow(Protocol):

@@ -1,4 +1,4 @@
-"""How points move with an interface: the normal velocity is the fluid's, the tangential one is free.
+"""How points move with an interface: normally with the fluid, tangentially as they like.
 
 Each is a function of the layers and the fluid velocity's coefficients that returns coefficients.
 """
@@ -52,13 +52,11 @@ def _affine_fit(targets: ClosedPoints, values: Array, weights: Array) -> Array:
     arm = targets.position - (targets.position @ weights)[:, None]
     size = np.sqrt((arm**2).sum(axis=0) @ weights)
     linear = (normal[:, None] * arm[None] / size).reshape(dim * dim, -1)
-    root = np.sqrt(weights)
-    columns = np.concatenate([normal, linear]) * root
-    wanted = (values * normal).sum(axis=0) * root
-    penalty = RIDGE * np.eye(dim + dim * dim)[dim:]
-    system = np.concatenate([columns.T, penalty])
-    right = np.concatenate([wanted, np.zeros(dim * dim)])
-    solution = np.linalg.lstsq(system, right, rcond=None)[0]
+    columns = np.concatenate([normal, linear])
+    ridge = np.repeat([0.0, RIDGE**2], [dim, dim * dim])
+    system = (columns * weights) @ columns.T + np.diag(ridge)
+    right = (columns * weights) @ (values * normal).sum(axis=0)
+    solution = np.linalg.solve(system, right)
     return solution[:dim, None] + solution[dim:].reshape(dim, dim) @ arm / size
 
 
