@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
     from cadbem.errors import SelectionError as SelectionError
+    from cadbem.errors import ShapeError as ShapeError
     from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_around as draw_around
     from cadbem.post import draw_boundary as draw_boundary
@@ -42,12 +43,21 @@ if TYPE_CHECKING:
     from cadbem.problems.heat_solution import HeatSolution as HeatSolution
     from cadbem.problems.solution import StokesSolution as StokesSolution
     from cadbem.problems.stokes import StokesProblem as StokesProblem
+    from cadbem.quadrature.closed import PolarRule as PolarRule
+    from cadbem.quadrature.closed import SingularitySubtraction as SingularitySubtraction
     from cadbem.quadrature.options import Quadrature as Quadrature
     from cadbem.script import fresh_folder as fresh_folder
     from cadbem.script import run as run
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
+    from cadbem.spline.closed import ClosedBasis as ClosedBasis
+    from cadbem.spline.closed import ClosedSpline as ClosedSpline
+    from cadbem.spline.closed import closed_spline as closed_spline
+    from cadbem.spline.closed import spline_circle as spline_circle
+    from cadbem.spline.closed import spline_ellipse as spline_ellipse
+    from cadbem.spline.closed import spline_ellipsoid as spline_ellipsoid
+    from cadbem.spline.closed import spline_sphere as spline_sphere
     from cadbem.spline.shapes import box as box
     from cadbem.spline.shapes import cylinder as cylinder
     from cadbem.spline.shapes import ellipsoid as ellipsoid
@@ -55,13 +65,46 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import sphere as sphere
     from cadbem.spline.shapes import sphere_octants as sphere_octants
     from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
+    from cadbem.suspension.droplet import Droplet as Droplet
+    from cadbem.suspension.flows import UserFlow as UserFlow
+    from cadbem.suspension.flows import at_rest as at_rest
+    from cadbem.suspension.flows import linear_flow as linear_flow
+    from cadbem.suspension.flows import pipe_poiseuille as pipe_poiseuille
+    from cadbem.suspension.flows import plane_extension as plane_extension
+    from cadbem.suspension.flows import plane_poiseuille as plane_poiseuille
+    from cadbem.suspension.flows import shear as shear
+    from cadbem.suspension.flows import uniaxial_extension as uniaxial_extension
+    from cadbem.suspension.free_flow import FreeFlow as FreeFlow
+    from cadbem.suspension.interface import Bending as Bending
+    from cadbem.suspension.interface import SurfaceTension as SurfaceTension
+    from cadbem.suspension.interface import capillary_tension as capillary_tension
+    from cadbem.suspension.interface import thesis_tension_2d as thesis_tension_2d
+    from cadbem.suspension.measures import inclination as inclination
+    from cadbem.suspension.measures import measure as measure
+    from cadbem.suspension.measures import taylor_deformation as taylor_deformation
+    from cadbem.suspension.mesh import RelaxMesh as RelaxMesh
+    from cadbem.suspension.motion import affine_velocity as affine_velocity
+    from cadbem.suspension.motion import full_velocity as full_velocity
+    from cadbem.suspension.motion import normal_velocity as normal_velocity
+    from cadbem.suspension.simulation import Simulation as Simulation
+    from cadbem.suspension.simulation import State as State
+    from cadbem.suspension.stepping import Adaptive as Adaptive
+    from cadbem.suspension.stepping import Euler as Euler
+    from cadbem.suspension.volume import CorrectVolume as CorrectVolume
 
 __version__ = "0.1.0"
 
 _NAMES = {
     "boundary": ("Boundary", "Patch"),
     "cad": ("inspect_cad", "mesh_volume", "read_cad"),
-    "errors": ("CadError", "CadbemError", "ConditionError", "DisplayError", "SelectionError"),
+    "errors": (
+        "CadError",
+        "CadbemError",
+        "ConditionError",
+        "DisplayError",
+        "SelectionError",
+        "ShapeError",
+    ),
     "post": (
         "bezier_grid",
         "draw_around",
@@ -88,10 +131,20 @@ _NAMES = {
     "problems.heat_solution": ("HeatSolution",),
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
+    "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
     "quadrature.options": ("Quadrature",),
     "script": ("fresh_folder", "run"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
+    "spline.closed": (
+        "ClosedBasis",
+        "ClosedSpline",
+        "closed_spline",
+        "spline_circle",
+        "spline_ellipse",
+        "spline_ellipsoid",
+        "spline_sphere",
+    ),
     "spline.shapes": (
         "box",
         "cylinder",
@@ -101,6 +154,25 @@ _NAMES = {
         "sphere_octants",
         "sphere_with_poles",
     ),
+    "suspension.droplet": ("Droplet",),
+    "suspension.flows": (
+        "UserFlow",
+        "at_rest",
+        "linear_flow",
+        "pipe_poiseuille",
+        "plane_extension",
+        "plane_poiseuille",
+        "shear",
+        "uniaxial_extension",
+    ),
+    "suspension.free_flow": ("FreeFlow",),
+    "suspension.interface": ("Bending", "SurfaceTension", "capillary_tension", "thesis_tension_2d"),
+    "suspension.measures": ("inclination", "measure", "taylor_deformation"),
+    "suspension.mesh": ("RelaxMesh",),
+    "suspension.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
+    "suspension.simulation": ("Simulation", "State"),
+    "suspension.stepping": ("Adaptive", "Euler"),
+    "suspension.volume": ("CorrectVolume",),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}
 

@@ -18,10 +18,9 @@ from numba import njit
 
 # min and max instead of a branch for sources at the target, so that loops become vector code
 TINY, LARGE = 1e-280, 1e270
-SETTINGS = {"cache": True, "nogil": True, "fastmath": True, "error_model": "numpy"}
 
 
-@njit(inline="always", **SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_3d(rx, ry, rz, qx, qy, qz):
     square = max(rx * rx + ry * ry + rz * rz, TINY)
     inverse = min(square * LARGE, 1.0) / sqrt(square)
@@ -29,7 +28,7 @@ def _stokeslet_3d(rx, ry, rz, qx, qy, qz):
     return inverse * (qx + rx * along), inverse * (qy + ry * along), inverse * (qz + rz * along)
 
 
-@njit(inline="always", **SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
     square = max(rx * rx + ry * ry + rz * rz, TINY)
     inverse = min(square * LARGE, 1.0) / sqrt(square)
@@ -39,7 +38,7 @@ def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
     return factor * rx, factor * ry, factor * rz
 
 
-@njit(inline="always", **SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_2d(rx, ry, qx, qy):
     square = max(rx * rx + ry * ry, TINY)
     there = min(square * LARGE, 1.0)
@@ -49,7 +48,7 @@ def _stokeslet_2d(rx, ry, qx, qy):
     return logarithm * qx + rx * along, logarithm * qy + ry * along
 
 
-@njit(inline="always", **SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stresslet_2d(rx, ry, ax, ay, ux, uy):
     square = max(rx * rx + ry * ry, TINY)
     inverse = min(square * LARGE, 1.0) / square
@@ -57,7 +56,7 @@ def _stresslet_2d(rx, ry, ax, ay, ux, uy):
     return factor * rx, factor * ry
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _single_3d(targets, position, density, out):
     px, py, pz = position[0], position[1], position[2]
     qx, qy, qz = density[0], density[1], density[2]
@@ -74,7 +73,7 @@ def _single_3d(targets, position, density, out):
         out[2, t] += sz
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _single_near_3d(targets, position, density, out):
     x, y, z = targets[0], targets[1], targets[2]
     for k in range(position.shape[1]):
@@ -89,7 +88,7 @@ def _single_near_3d(targets, position, density, out):
             out[2, t] += vz
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _double_3d(targets, offset, position, area, density, out):
     px, py, pz = position[0], position[1], position[2]
     ax, ay, az = area[0], area[1], area[2]
@@ -111,7 +110,7 @@ def _double_3d(targets, offset, position, area, density, out):
         out[2, t] += sz
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _double_near_3d(targets, offset, position, area, density, out):
     x, y, z = targets[0], targets[1], targets[2]
     ox, oy, oz = offset[0], offset[1], offset[2]
@@ -129,7 +128,7 @@ def _double_near_3d(targets, offset, position, area, density, out):
             out[2, t] += vz
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _single_2d(targets, position, density, out):
     px, py = position[0], position[1]
     qx, qy = density[0], density[1]
@@ -144,7 +143,7 @@ def _single_2d(targets, position, density, out):
         out[1, t] += sy
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _single_near_2d(targets, position, density, out):
     for k in range(position.shape[1]):
         for t in range(targets.shape[1]):
@@ -154,7 +153,7 @@ def _single_near_2d(targets, position, density, out):
             out[1, t] += vy
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _double_2d(targets, offset, position, area, density, out):
     px, py = position[0], position[1]
     ax, ay = area[0], area[1]
@@ -170,7 +169,7 @@ def _double_2d(targets, offset, position, area, density, out):
         out[1, t] += sy
 
 
-@njit(**SETTINGS)
+@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
 def _double_near_2d(targets, offset, position, area, density, out):
     for k in range(position.shape[1]):
         for t in range(targets.shape[1]):

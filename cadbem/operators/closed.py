@@ -30,7 +30,6 @@ from cadbem.quadrature.closed import (
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, window
 
-
 THREADS_FROM = 400  # points from which threads are worth starting
 
 

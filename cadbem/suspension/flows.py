@@ -49,7 +49,7 @@ class PolynomialFlow:
     about: Array
 
     def __post_init__(self) -> None:
-        dim = self.drift.size
+        dim = len(self.rates)
         shapes = {"drift": 1, "rates": 2, "bends": 3, "about": 1}
         for name, order in shapes.items():
             array = getattr(self, name)

@@ -4,9 +4,9 @@ With h = 4π (2π in 2D), λ the viscosity ratio and μ the outer viscosity,
 
     (1 + λ) u = 2 u∞ - S[Δf] / (h μ) + (1 - λ) / h D[u],
 
-or u - β D u / h = b with β = (1 - λ) / (1 + λ).  D / h has the eigenvalue -1 for rigid motions, and +1
-with n as left eigenvector; they make the equation ill-conditioned for λ → ∞ and λ → 0.  Both are
-deflated (Kim and Karrila 1991, ch. 16; Pozrikidis 1992, ch. 4): with P the projection on rigid
+or u - β D u / h = b with β = (1 - λ) / (1 + λ).  D / h has the eigenvalue -1 for rigid motions,
+and +1 with n as left eigenvector; they make the equation ill-conditioned for λ → ∞ and λ → 0.  Both
+are deflated (Kim and Karrila 1991, ch. 16; Pozrikidis 1992, ch. 4): with P the projection on rigid
 motions and Q that on n,
 
     w - β (D / h + P - Q) w = b - Q b,    u = w - β / (1 + β) P w,
@@ -158,7 +158,8 @@ class InterfaceEquation:
         return basis.fit(values.reshape(-1, *basis.shape)), count
 
     def _iterate(self, right: Array, guess: Array | None) -> tuple[Array, int]:
-        shape, residuals = right.shape, []
+        shape = right.shape
+        residuals: list[float] = []
         start = right
         if guess is not None:
             start = self.layers.operator.collocation.values(guess)

@@ -1,8 +1,8 @@
 """Time stepping: from one state (an array) to the next, with as few evaluations as may be.
 
-Capillary relaxation is stiff with real negative rates, the largest growing with the number of points.
-The default method is therefore a stabilised explicit one, Runge-Kutta-Chebyshev of second order
-(Sommeijer, Shampine and Verwer 1997): s stages are stable for steps of about 0.65 s² over the
+Capillary relaxation is stiff with real negative rates, the largest growing with the number of
+points.  The default method is therefore a stabilised explicit one, Runge-Kutta-Chebyshev of second
+order (Sommeijer, Shampine and Verwer 1997): s stages are stable for steps of about 0.65 s² over the
 largest rate.
 """
 
@@ -123,4 +123,4 @@ def chebyshev_coefficients(stages: int) -> tuple[float, list[tuple[float, ...]]]
         mix, previous = 2 * b[j] * w0 / b[j - 1], -b[j] / b[j - 2]
         new = 2 * b[j] * w1 / b[j - 1]
         rows.append((mix, previous, new, -a[j - 1] * new))
-    return b[1] * w1, rows
+    return float(b[1] * w1), rows

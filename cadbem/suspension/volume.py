@@ -1,7 +1,7 @@
 """The volume of closed splines (their area in 2D), exactly, and its correction (Eq. 3.13, 4.5).
 
-V = (1/dim) ∫ x · (x_θ × x_φ) is a polynomial of the coefficients, which Gauss rules integrate without
-error.  Its gradient with respect to a coefficient is ∫ N_i (x_θ × x_φ).
+V = (1/dim) ∫ x · (x_θ × x_φ) is a polynomial of the coefficients, which Gauss rules integrate
+without error.  Its gradient with respect to a coefficient is ∫ N_i (x_θ × x_φ).
 """
 
 from __future__ import annotations
