@@ -6,7 +6,9 @@ poles, f(-θ, φ) = f(θ, φ + π), so that no pole is a special point of a basi
 are θ_j = (j + 1/2) π / rows, φ_k = (k + 1/2) 2π / columns.  Two conditions, imposed azimuthal
 mode by mode (e^{imφ}), make functions of the tensor product functions on a sphere:
 
-- they are C^(degree - 1) at the poles: f_m and its derivatives below order m vanish there;
+- they are as smooth at the poles as elsewhere: f_m and its derivatives below order m vanish
+  there, up to order degree - 1 (a pole is one point with one tangent plane; higher derivatives
+  join as exactly as the longitude's splines represent e^{imφ});
 - near a pole they have no shorter waves than on the equator: the mode m is absent in rows whose
   circle has room for fewer than m waves, up to a factor ``ROOM``.
 

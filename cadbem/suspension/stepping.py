@@ -118,9 +118,9 @@ def chebyshev_coefficients(stages: int) -> tuple[float, list[tuple[float, ...]]]
     b = [dd[j] / d[j] ** 2 if j > 1 else 0.0 for j in range(stages + 1)]
     b[0] = b[1] = b[2]
     a = [1 - b[j] * t[j] for j in range(stages + 1)]
-    rows = []
+    rows: list[tuple[float, ...]] = []
     for j in range(2, stages + 1):
         mix, previous = 2 * b[j] * w0 / b[j - 1], -b[j] / b[j - 2]
         new = 2 * b[j] * w1 / b[j - 1]
-        rows.append((mix, previous, new, -a[j - 1] * new))
+        rows.append((float(mix), float(previous), float(new), float(-a[j - 1] * new)))
     return float(b[1] * w1), rows
