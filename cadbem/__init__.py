@@ -23,10 +23,13 @@ if TYPE_CHECKING:
     from cadbem.post import draw_around as draw_around
     from cadbem.post import draw_boundary as draw_boundary
     from cadbem.post import draw_collocation as draw_collocation
+    from cadbem.post import draw_droplets as draw_droplets
+    from cadbem.post import draw_outlines as draw_outlines
     from cadbem.post import draw_slices as draw_slices
     from cadbem.post import draw_streamlines as draw_streamlines
     from cadbem.post import draw_traction as draw_traction
     from cadbem.post import volume_grid as volume_grid
+    from cadbem.post import write_droplets as write_droplets
     from cadbem.post import write_mesh as write_mesh
     from cadbem.post import write_vtu as write_vtu
     from cadbem.problems.conditions import Background as Background
@@ -110,10 +113,13 @@ _NAMES = {
         "draw_around",
         "draw_boundary",
         "draw_collocation",
+        "draw_droplets",
+        "draw_outlines",
         "draw_slices",
         "draw_streamlines",
         "draw_traction",
         "volume_grid",
+        "write_droplets",
         "write_mesh",
         "write_vtu",
     ),

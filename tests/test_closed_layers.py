@@ -227,7 +227,7 @@ def test_singularity_subtraction_converges_slowly():
 
 def test_rules_integrate_over_the_sphere():
     """∫ dω = 4π, ∫ x² dω = 4π / 3 and ∫ x⁴ dω = 4π / 5 over the grid."""
-    for rule in (PolarRule(), SingularitySubtraction(3)):
+    for rule in (PolarRule(), SingularitySubtraction(4)):
         nodes = closed_rule(rule, (10, 20))
         theta, phi = np.meshgrid(*nodes.axes, indexing="ij")
         x = (np.sin(theta) * np.cos(phi)).ravel()

@@ -3,9 +3,9 @@
     single_j(x0) = Σ G_ij(x, x0) q_i,    double_j(x0) = Σ T_ijk(x, x0) a_k (u_i(x) - u0_i)
 
 with G and T as in ``stokes_2d`` and ``stokes_3d``; the quadrature weights are in q and in the area
-vectors a, and u0 belongs to the target.  A source at the target itself is left out.  Sums are added
-to ``out`` (dim, T).  Each comes twice: over the same N sources for all T targets, arrays (dim, N),
-and over K sources for each target, arrays (dim, K, T).
+vectors a, and u0 belongs to the target.  No source may lie at a target.  Sums are added to ``out``
+(dim, T).  Each comes twice: over the same N sources for all T targets, arrays (dim, N), and over K
+sources for each target, arrays (dim, K, T).
 """
 
 from __future__ import annotations
@@ -16,22 +16,17 @@ from math import log, pi, sqrt
 
 from numba import njit
 
-# min and max instead of a branch for sources at the target, so that loops become vector code
-TINY, LARGE = 1e-280, 1e270
-
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_3d(rx, ry, rz, qx, qy, qz):
-    square = max(rx * rx + ry * ry + rz * rz, TINY)
-    inverse = min(square * LARGE, 1.0) / sqrt(square)
+    inverse = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
     along = (rx * qx + ry * qy + rz * qz) * inverse * inverse
     return inverse * (qx + rx * along), inverse * (qy + ry * along), inverse * (qz + rz * along)
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
-    square = max(rx * rx + ry * ry + rz * rz, TINY)
-    inverse = min(square * LARGE, 1.0) / sqrt(square)
+    inverse = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
     squared = inverse * inverse
     flux = rx * ax + ry * ay + rz * az
     factor = -6.0 * (rx * ux + ry * uy + rz * uz) * flux * squared * squared * inverse
@@ -40,18 +35,15 @@ def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_2d(rx, ry, qx, qy):
-    square = max(rx * rx + ry * ry, TINY)
-    there = min(square * LARGE, 1.0)
-    inverse = there / square
-    logarithm = -0.5 * there * log(square)
+    inverse = 1.0 / (rx * rx + ry * ry)
+    logarithm = 0.5 * log(inverse)
     along = (rx * qx + ry * qy) * inverse
     return logarithm * qx + rx * along, logarithm * qy + ry * along
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
 def _stresslet_2d(rx, ry, ax, ay, ux, uy):
-    square = max(rx * rx + ry * ry, TINY)
-    inverse = min(square * LARGE, 1.0) / square
+    inverse = 1.0 / (rx * rx + ry * ry)
     factor = -4.0 * (rx * ux + ry * uy) * (rx * ax + ry * ay) * inverse * inverse
     return factor * rx, factor * ry
 

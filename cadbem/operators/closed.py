@@ -11,7 +11,7 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numba import njit
@@ -113,10 +113,10 @@ class ClosedOperator:
         """The grid of quadrature nodes."""
         return ClosedGrid(self.basis, self.nodes.axes)
 
-    @cached_property
+    @property
     def collocation(self) -> ClosedGrid:
         """The grid of collocation points, which are the targets."""
-        return ClosedGrid(self.basis, self.basis.axes())
+        return collocation_grid(self.basis)
 
     @cached_property
     def fine(self) -> ClosedBasis:
@@ -193,6 +193,18 @@ class ClosedOperator:
             shares = pool.map(lambda k: [task(item) for item in items[k::cores]], range(cores))
             mixed = list(shares)
         return [mixed[i % cores][i // cores] for i in range(len(items))]
+
+
+@lru_cache(maxsize=16)
+def collocation_grid(basis: ClosedBasis) -> ClosedGrid:
+    """The collocation points of a basis."""
+    return ClosedGrid(basis, basis.axes())
+
+
+@lru_cache(maxsize=16)
+def closed_operator(basis: ClosedBasis, rule: SelfRule) -> ClosedOperator:
+    """The operator of a basis and a rule, kept with its tables."""
+    return ClosedOperator(basis, rule)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from cadbem.post.bezier import bezier_grid
 from cadbem.post.display import require_display
+from cadbem.post.droplets import draw_droplets, draw_outlines, write_droplets
 from cadbem.post.export import write_mesh, write_vtu
 from cadbem.post.fields import edge_lines, tessellated, wall_stresses
 from cadbem.post.view_around import draw_around
@@ -15,6 +16,8 @@ __all__ = [
     "draw_around",
     "draw_boundary",
     "draw_collocation",
+    "draw_droplets",
+    "draw_outlines",
     "draw_slices",
     "draw_streamlines",
     "draw_traction",
@@ -23,6 +26,7 @@ __all__ = [
     "tessellated",
     "volume_grid",
     "wall_stresses",
+    "write_droplets",
     "write_mesh",
     "write_vtu",
 ]

@@ -117,11 +117,10 @@ def write_droplets(
 
 
 def knots(basis: ClosedBasis) -> list[Array]:
-    """Knots in each direction, without poles."""
-    lines = []
-    for n, length in zip(basis.shape, basis.lengths, strict=True):
-        lines.append((np.arange(n) + 0.5 * (basis.degree % 2)) * length / n)
-    return lines if basis.dimension == 2 else [lines[0][lines[0] > 0], lines[1]]
+    """Knots in each direction, without poles; that at 0 = 2π counts as one."""
+    ends = slice(basis.degree % 2, -1)
+    lines = basis.breaks()
+    return [lines[0][ends]] if basis.dimension == 2 else [lines[0][1:-1], lines[1][ends]]
 
 
 def knot_lines(spline: ClosedSpline) -> Any:

@@ -14,7 +14,7 @@ of equal colatitude share theirs up to a turn.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, log, pi, sqrt
 
@@ -31,18 +31,24 @@ Index = NDArray[np.int64]
 class PolarRule:
     """Windowed polar integration; ``tolerance`` relative to the kernel's own integral.
 
-    ``refinement``: nodes of the grid per collocation point and direction.
+    ``refinement``: nodes of the grid per collocation point and direction; even, so that no node
+    is a target.  For shapes that are stretched unevenly it should be higher: see ``suited``.
     """
 
-    tolerance: float = 1e-6
+    tolerance: float = 1e-5
     refinement: int = 2
 
     def __post_init__(self) -> None:
-        if not 1e-12 <= self.tolerance <= 1e-2 or self.refinement < 1:
+        if not 1e-12 <= self.tolerance <= 1e-2 or self.refinement < 2 or self.refinement % 2:
             raise ValueError(
                 f"PolarRule({self.tolerance}, {self.refinement}): tolerances from 1e-12 to 1e-2 "
-                "and refinements from 1 are possible"
+                "and even refinements are possible"
             )
+
+    def suited(self, stretch: float) -> PolarRule:
+        """The rule for a map from the sphere that stretches one direction more than another by
+        such a ratio: twice as fine from 2.5, three times from 5."""
+        return replace(self, refinement=self.refinement * min(1 + int(stretch / 2.5), 3))
 
 
 @dataclass(frozen=True)
@@ -50,14 +56,20 @@ class SingularitySubtraction:
     """The thesis's variant: Gauss rules of an ``order`` on all elements, nothing near the target.
 
     Only Eq. 4.3 and 4.4 soften the singularity, so it converges slowly, and fails for large
-    viscosity ratios; for comparison.
+    viscosity ratios; for comparison.  The order is even, so that no node is a target.
     """
 
     order: int = 4
 
     def __post_init__(self) -> None:
-        if not 1 <= self.order <= 64:
-            raise ValueError(f"SingularitySubtraction({self.order}): orders 1 to 64 are possible")
+        if self.order not in range(2, 65, 2):
+            raise ValueError(
+                f"SingularitySubtraction({self.order}): even orders from 2 to 64 are possible"
+            )
+
+    def suited(self, stretch: float) -> SingularitySubtraction:
+        """The same rule for all shapes, as in the thesis."""
+        return self
 
 
 SelfRule = PolarRule | SingularitySubtraction

@@ -104,6 +104,15 @@ class ClosedBasis:
         """Parameters (p, count) of the collocation points, the last parameter fastest."""
         return np.stack([g.ravel() for g in np.meshgrid(*self.axes(), indexing="ij")])
 
+    def breaks(self) -> list[Array]:
+        """Ends of the parameters' ranges and the knots between them, in each direction."""
+        lines = []
+        for n, length in zip(self.shape, self.lengths, strict=True):
+            inner = (np.arange(n + 1) - 0.5 * (self.degree % 2)) * length / n
+            inner = inner[(inner > 0) & (inner < length)]
+            lines.append(np.concatenate([[0.0], inner, [length]]))
+        return lines
+
     def doubled(self, array: Array) -> Array:
         """Coefficients or values continued over the poles to a full turn of the colatitude."""
         if len(self.shape) == 1:
@@ -278,9 +287,7 @@ class ClosedSpline:
         """
         field = self.coefficients if coefficients is None else coefficients
         knots, sites, matrices = [], [], []
-        for n, length in zip(self.basis.shape, self.basis.lengths, strict=True):
-            inner = (np.arange(n + 1) - 0.5 * (self.basis.degree % 2)) * length / n
-            breaks = np.concatenate([[0.0], inner[(inner > 0) & (inner < length)], [length]])
+        for breaks in self.basis.breaks():
             knots.append(open_knots(self.basis.degree, breaks))
             sites.append(greville(self.basis.degree, knots[-1]))
             matrices.append(np.linalg.inv(basis_matrix(self.basis.degree, knots[-1], sites[-1])))

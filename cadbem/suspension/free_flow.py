@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
@@ -29,16 +28,10 @@ from cadbem.operators.closed import ClosedLayers
 from cadbem.quadrature.closed import fejer_weights
 from cadbem.spline.basis import Array
 from cadbem.suspension.droplet import Droplet
+from cadbem.suspension.flows import BackgroundFlow
 from cadbem.suspension.interface import Jump
 
 SOLVER_TOLERANCE = 1e-8
-
-
-class BackgroundFlow(Protocol):
-    """Any exact solution of Stokes' equations in the whole space."""
-
-    def velocity(self, points: Array) -> Array:
-        """Velocity (dim, N) at points (dim, N)."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,7 +13,7 @@ from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.extremes import extreme_distances
 from cadbem.suspension.flows import BackgroundFlow
 from cadbem.suspension.interface import Jump
-from cadbem.suspension.volume import _gauss_grid, centre, volume
+from cadbem.suspension.volume import centre, exact_grid, volume
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,14 +129,13 @@ class _Body:
     @cached_property
     def points(self) -> ClosedPoints:
         """Gauss points in all elements."""
-        return _gauss_grid(self.spline.basis)[0].points(self.spline)
+        return exact_grid(self.spline.basis)[0].points(self.spline)
 
     @cached_property
     def weights(self) -> Array:
         """Weights (N,) that integrate over the surface."""
-        rules = _gauss_grid(self.spline.basis)[1]
-        product = rules[0] if len(rules) == 1 else np.outer(*rules).ravel()
-        return product * self.points.grid.measure * self.points.jacobian
+        rule = exact_grid(self.spline.basis)[1]
+        return rule * self.points.grid.measure * self.points.jacobian
 
     @cached_property
     def area(self) -> Array:

@@ -11,7 +11,7 @@ from tqdm import tqdm
 
 from cadbem.closed_points import ClosedPoints
 from cadbem.errors import ShapeError
-from cadbem.operators.closed import ClosedLayers, ClosedOperator
+from cadbem.operators.closed import ClosedLayers, closed_operator, collocation_grid
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
@@ -48,7 +48,7 @@ class State:
     @cached_property
     def layers(self) -> ClosedLayers:
         """The interface's layers."""
-        return ClosedLayers(self.simulation.operator, self.droplet.shape)
+        return self.simulation.layers(self.droplet.shape)
 
     @cached_property
     def response(self) -> Response:
@@ -81,10 +81,12 @@ class Simulation:
     mesh: RelaxMesh | None = None
     rule: SelfRule = PolarRule(1e-5)
 
-    @cached_property
-    def operator(self) -> ClosedOperator:
-        """What all steps share."""
-        return ClosedOperator(self.droplet.shape.basis, self.rule)
+    def layers(self, shape: ClosedSpline) -> ClosedLayers:
+        """Layers of a shape, integrated as finely as its stretch asks for."""
+        points = collocation_grid(shape.basis).points(shape)
+        low, high = stretches(points)
+        rule = self.rule.suited(float((high / low).max()))
+        return ClosedLayers(closed_operator(shape.basis, rule), shape)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
@@ -190,8 +192,7 @@ class Simulation:
         """Rates of shapes on the way; ShapeError for one that cannot be evaluated."""
 
         def rate(coefficients: Array) -> Array:
-            layers = ClosedLayers(self.operator, replace(shape, coefficients=coefficients))
-            return self._slope(layers)
+            return self._slope(self.layers(replace(shape, coefficients=coefficients)))
 
         return rate
 
@@ -200,8 +201,7 @@ class Simulation:
 
         A wave of number k on a flat interface decays at stiffness(k) / (2 μ (1 + λ) k).
         """
-        basis = self.operator.basis
-        wave_number = basis.shape[-1] / 2 / float(stretches(points)[0].min())
+        wave_number = points.grid.basis.shape[-1] / 2 / float(stretches(points)[0].min())
         stiffness = self.droplet.interface.stiffness(wave_number)
         ratio = self.droplet.viscosity_ratio
         return RATE_MARGIN * stiffness / (2 * self.flow.viscosity * (1 + ratio) * wave_number)

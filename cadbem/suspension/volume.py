@@ -14,7 +14,7 @@ import numpy as np
 from cadbem.closed_points import ClosedGrid
 from cadbem.errors import ShapeError
 from cadbem.points import area_vector
-from cadbem.quadrature.gauss import gauss_on_breaks
+from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 
@@ -22,23 +22,18 @@ ITERATIONS = 50
 
 
 @lru_cache(maxsize=16)
-def _gauss_grid(basis: ClosedBasis) -> tuple[ClosedGrid, list[Array]]:
-    """Grid and weights of Gauss rules that are exact for products of three splines."""
+def exact_grid(basis: ClosedBasis) -> tuple[ClosedGrid, Array]:
+    """Grid and weights (N,) per unit of parameters, exact for products of three splines."""
     order = (3 * basis.degree + 1) // 2
-    rules = []
-    for n, length in zip(basis.shape, basis.lengths, strict=True):
-        breaks = (np.arange(n + 1) - 0.5 * (basis.degree % 2)) * length / n
-        inner = breaks[(breaks > 0) & (breaks < length)]
-        rules.append(gauss_on_breaks(order, np.concatenate([[0.0], inner, [length]])))
-    return ClosedGrid(basis, [nodes for nodes, _ in rules]), [weights for _, weights in rules]
+    rules = [gauss_on_breaks(order, breaks) for breaks in basis.breaks()]
+    return ClosedGrid(basis, [nodes for nodes, _ in rules]), tensor_rule(rules)[1]
 
 
 def _area_vectors(spline: ClosedSpline) -> tuple[ClosedGrid, Array, Array]:
     """Grid, positions (dim, N), and area vectors with the weights in them (dim, N)."""
-    grid, weights = _gauss_grid(spline.basis)
+    grid, weights = exact_grid(spline.basis)
     area = area_vector(*grid.first(spline.coefficients))
-    product = weights[0] if len(weights) == 1 else np.outer(*weights).ravel()
-    return grid, grid.values(spline.coefficients), area * product
+    return grid, grid.values(spline.coefficients), area * weights
 
 
 def volume(spline: ClosedSpline) -> float:
