@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from cadbem.quadrature.options import Quadrature as Quadrature
     from cadbem.script import fresh_folder as fresh_folder
     from cadbem.script import run as run
+    from cadbem.script import text_table as text_table
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
@@ -78,6 +79,8 @@ if TYPE_CHECKING:
     from cadbem.suspension.flows import shear as shear
     from cadbem.suspension.flows import uniaxial_extension as uniaxial_extension
     from cadbem.suspension.free_flow import FreeFlow as FreeFlow
+    from cadbem.suspension.history import History as History
+    from cadbem.suspension.history import record as record
     from cadbem.suspension.interface import Bending as Bending
     from cadbem.suspension.interface import SurfaceTension as SurfaceTension
     from cadbem.suspension.interface import capillary_tension as capillary_tension
@@ -139,7 +142,7 @@ _NAMES = {
     "problems.stokes": ("StokesProblem",),
     "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
     "quadrature.options": ("Quadrature",),
-    "script": ("fresh_folder", "run"),
+    "script": ("fresh_folder", "run", "text_table"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
     "spline.closed": (
@@ -172,6 +175,7 @@ _NAMES = {
         "uniaxial_extension",
     ),
     "suspension.free_flow": ("FreeFlow",),
+    "suspension.history": ("History", "record"),
     "suspension.interface": ("Bending", "SurfaceTension", "capillary_tension", "thesis_tension_2d"),
     "suspension.measures": ("inclination", "measure", "taylor_deformation"),
     "suspension.mesh": ("RelaxMesh",),
