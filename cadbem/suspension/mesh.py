@@ -10,6 +10,8 @@ from cadbem.closed_points import ClosedGrid, ClosedPoints
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 
+STABLE = 0.5  # share of the way to its neighbours' mean that a point may go in a pseudo-step
+
 
 def stretches(points: ClosedPoints) -> tuple[Array, Array]:
     """Smallest and largest stretch (N,) of the unit circle or sphere at each point."""
@@ -21,8 +23,9 @@ def stretches(points: ClosedPoints) -> tuple[Array, Array]:
     return np.sqrt(np.maximum(middle - radius, 0.0)), np.sqrt(middle + radius)
 
 
-def turning(points: ClosedPoints, basis: ClosedBasis) -> Array:
+def turning(points: ClosedPoints) -> Array:
     """Largest angle (N,) in degrees between a collocation point's normal and its neighbours'."""
+    basis = points.grid.basis
     normal = points.normal.reshape(-1, *basis.shape)
     worst = np.ones(basis.shape)
     for beside in neighbours(basis, normal):
@@ -49,7 +52,8 @@ class RelaxMesh:
     over their neighbours j, S_j the element's size and κ the mean curvature: ``even`` (C_r1)
     evens out distances, ``curved`` (C_r2) draws points to where curvature is high.  The moved
     points are looked up on the surface by their parameters, so that only the parametrisation
-    changes; how much the shape does is up to the spline's resolution.
+    changes; how much the shape does is up to the spline's resolution.  A pseudo-step too long to
+    be stable is shortened.
     """
 
     even: float = 1e-4
@@ -71,13 +75,11 @@ class RelaxMesh:
         mean = np.abs(points.curvature) / (basis.dimension - 1)
         pull = ((self.even + self.curved * mean**1.5) * size).reshape(basis.shape)
         position = points.position.reshape(-1, *basis.shape)
-        force = sum(
-            strength * (there - position)
-            for strength, there in zip(
-                neighbours(basis, pull), neighbours(basis, position), strict=True
-            )
-        )
+        beside, strengths = neighbours(basis, position), neighbours(basis, pull)
+        pairs = list(zip(strengths, beside, strict=True))
+        force = np.sum([strength * (there - position) for strength, there in pairs], axis=0)
         scale = self.pseudo_step * basis.count**1.5 / (1 + viscosity_ratio)
+        scale = min(scale, STABLE / float(np.sum(strengths, axis=0).max()))
         drift = np.einsum(
             "acn,cn->an", points.duals, scale * np.reshape(force, (len(position), -1))
         )

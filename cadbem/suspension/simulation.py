@@ -225,7 +225,7 @@ class Simulation:
 
 def unresolved(points: ClosedPoints) -> str:
     """Why a shape cannot be trusted any more, or nothing."""
-    turn = turning(points, points.grid.basis)
+    turn = turning(points)
     if turn.max() <= TURN_LIMIT:
         return ""
     place = ", ".join(f"{x:.3g}" for x in points.position[:, int(turn.argmax())])
