@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import product
 
 import numpy as np
@@ -88,6 +88,12 @@ class ClosedGrid:
             gaussian=gaussian,
             second=second,
         )
+
+
+@lru_cache(maxsize=16)
+def collocation_grid(basis: ClosedBasis) -> ClosedGrid:
+    """The collocation points of a basis."""
+    return ClosedGrid(basis, basis.axes())
 
 
 def _determinant(matrix: Array) -> Array:

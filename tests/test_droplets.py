@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 import cadbem as cb
-from cadbem.closed_points import ClosedPoints
-from cadbem.operators.closed import collocation_grid
+from cadbem.closed_points import ClosedPoints, collocation_grid
+from cadbem.points import dual_tangents
 from cadbem.post.plots import fitted_order
 from cadbem.suspension.mesh import stretches, turning
 from cadbem.suspension.stepping import chebyshev_coefficients
@@ -35,21 +36,17 @@ def points_of(spline: cb.ClosedSpline) -> ClosedPoints:
 
 
 def distance(a: cb.ClosedSpline, b: cb.ClosedSpline) -> float:
-    """Largest distance of b's points from the surface a, to first order: along a's normal from
-    the nearest of many points of a."""
-    grid = np.stack(np.meshgrid(*[np.linspace(0, x, 400) for x in a.basis.lengths]))
-    at = grid.reshape(len(a.basis.shape), -1)
-    from scipy.spatial import cKDTree
-
-    _, nearest = cKDTree(a.evaluate(at).T).query(b.points().T)
-    at = at[:, nearest]
-    first = np.eye(len(at), dtype=int)
-    tangents = [a.evaluate(at, tuple(unit)) for unit in first]
-    normal = np.cross(*tangents, axis=0) if len(tangents) == 2 else np.stack(
-        [tangents[0][1], -tangents[0][0]]
-    )  # fmt: skip
-    gap = ((b.points() - a.evaluate(at)) * normal).sum(axis=0)
-    return float(np.abs(gap / np.linalg.norm(normal, axis=0)).max())
+    """Largest distance of b's points from the surface a: from the nearest of many points of a,
+    Newton's steps along the surface lead to the foot points."""
+    grid = np.meshgrid(*[np.linspace(0, length, 200) for length in a.basis.lengths])
+    many = np.stack([g.ravel() for g in grid])
+    at = many[:, cKDTree(a.evaluate(many).T).query(b.points().T)[1]]
+    units = np.eye(len(at), dtype=int)
+    for _ in range(6):
+        tangents = np.stack([a.evaluate(at, tuple(unit)) for unit in units])
+        duals = np.stack(dual_tangents(*tangents))
+        at = at + np.einsum("acn,cn->an", duals, b.points() - a.evaluate(at))
+    return float(np.linalg.norm(b.points() - a.evaluate(at), axis=0).max())
 
 
 def test_shear_in_3d():
@@ -186,19 +183,19 @@ def test_thesis_trigger():
 @pytest.mark.parametrize(
     "semi_axes, counts, relax",
     [
-        ((2.0, 0.9, 0.7), (200, 512), cb.RelaxMesh(steps=20)),
-        ((2.0, 0.6), (48, 96), cb.RelaxMesh(0.2, 0.2, 10, 0.01)),
+        ((2.0, 0.9, 0.7), (200, 512), cb.RelaxMesh(steps=100)),
+        ((2.0, 0.6), (48, 96), cb.RelaxMesh(0.2, 0.2, 100, 0.01)),
     ],
 )
 def test_relaxation_moves_points_along_the_surface(semi_axes, counts, relax):
-    """Points move by several per cent of the size, the surface by less than 1 % of that: what
+    """Points move by a hundredth of the size and more, the surface by less than 1 % of that: what
     the splines resolve, less with more points."""
     changes = []
     for points in counts:
         shape = cb.spline_ellipsoid(semi_axes, points=points)
         relaxed = relax.relaxed(shape)
         travel = np.linalg.norm(relaxed.points() - shape.points(), axis=0).max()
-        assert travel > 0.02
+        assert travel > 5e-3
         changes.append(distance(shape, relaxed) / travel)
     assert changes[0] < 1e-2
     assert changes[1] < changes[0] / 2
@@ -210,7 +207,7 @@ def test_relaxation_evens_out_distances():
         cb.ClosedBasis(4, (32,)),
         lambda u: np.stack([f(np.arctan2(u[1], u[0]) + 0.4 * u[1]) for f in (np.cos, np.sin)]),
     )
-    even = cb.RelaxMesh(0.4, 0.0, steps=100, pseudo_step=0.02).relaxed(crowded)
+    even = cb.RelaxMesh(0.4, 0.0, steps=400, pseudo_step=0.02).relaxed(crowded)
     ratios = [points_of(s).jacobian.max() / points_of(s).jacobian.min() for s in (crowded, even)]
     assert ratios[0] > 2
     assert ratios[1] < 1.2

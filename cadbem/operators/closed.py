@@ -16,7 +16,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 from numba import njit
 
-from cadbem.closed_points import ClosedGrid, ClosedPoints
+from cadbem.closed_points import ClosedGrid, ClosedPoints, collocation_grid
 from cadbem.kernels.kernel import Index
 from cadbem.kernels.stokes_sums import StokesSums, stokes_sums
 from cadbem.quadrature.closed import (
@@ -193,12 +193,6 @@ class ClosedOperator:
             shares = pool.map(lambda k: [task(item) for item in items[k::cores]], range(cores))
             mixed = list(shares)
         return [mixed[i % cores][i // cores] for i in range(len(items))]
-
-
-@lru_cache(maxsize=16)
-def collocation_grid(basis: ClosedBasis) -> ClosedGrid:
-    """The collocation points of a basis."""
-    return ClosedGrid(basis, basis.axes())
 
 
 @lru_cache(maxsize=16)

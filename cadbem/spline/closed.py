@@ -247,6 +247,11 @@ def round_basis(dimension: int, points: int, degree: int) -> ClosedBasis:
     return ClosedBasis(degree, (rows, 2 * rows))
 
 
+def unit_measure(dimension: int) -> float:
+    """Length of the unit circle or area of the unit sphere."""
+    return 2 * np.pi if dimension == 2 else 4 * np.pi
+
+
 def unit_point(*parameters: ArrayLike) -> Array:
     """Point (dim, ...) of the unit circle or sphere; poles of the sphere on the z axis."""
     if len(parameters) == 1:

@@ -6,11 +6,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cadbem.closed_points import ClosedGrid, ClosedPoints
+from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.spline.basis import Array
-from cadbem.spline.closed import ClosedBasis, ClosedSpline
+from cadbem.spline.closed import ClosedBasis, ClosedSpline, unit_measure
 
-STABLE = 0.5  # share of the way to its neighbours' mean that a point may go in a pseudo-step
+STABLE = 0.3  # largest share of the way to its neighbours that a point goes in a pseudo-step
 
 
 def stretches(points: ClosedPoints) -> tuple[Array, Array]:
@@ -43,17 +43,21 @@ def neighbours(basis: ClosedBasis, values: Array) -> list[Array]:
 
 @dataclass(frozen=True)
 class RelaxMesh:
-    """The thesis's mesh relaxation (Eq. 3.14 and 4.6), on the surface.
+    """The thesis's mesh relaxation (Eq. 3.14 and 4.6), on the surface and without poles.
 
     Points get ``steps`` pseudo-steps of length ``pseudo_step`` with the tangential velocity
 
-        w_i = N^(3/2) / (1 + λ) (I - n n) Σ_j (even + curved |κ_j|^(3/2)) S_j (x_j - x_i)
+        w_i = N^(3/2) / (1 + λ) (I - n n) Σ_j p_j (x_j - x_i),  p = (even + curved |κ|^(3/2)) S
 
-    over their neighbours j, S_j the element's size and κ the mean curvature: ``even`` (C_r1)
-    evens out distances, ``curved`` (C_r2) draws points to where curvature is high.  The moved
-    points are looked up on the surface by their parameters, so that only the parametrisation
-    changes; how much the shape does is up to the spline's resolution.  A pseudo-step too long to
-    be stable is shortened.
+    over their neighbours j, S the element's size and κ the mean curvature: ``even`` (C_r1) evens
+    out distances, ``curved`` (C_r2) draws points to where curvature is high.  On a sphere's grid
+    the crowded points at the poles would seek more room, and could find it only in a singular
+    map; so S is the area of an evenly spread point, stretched like the surface there, and the
+    terms of the sum get the weights that make it a Laplacian on the unit sphere when p is even.
+
+    The moved points are looked up on the surface by their parameters, so that only the
+    parametrisation changes; how much the shape does is up to the spline's resolution.  A
+    pseudo-step too long to be stable is shortened.
     """
 
     even: float = 1e-4
@@ -69,19 +73,30 @@ class RelaxMesh:
 
     def _step(self, spline: ClosedSpline, viscosity_ratio: float) -> ClosedSpline:
         basis = spline.basis
-        points = ClosedGrid(basis, basis.axes()).points(spline)
-        cell = np.prod([length / n for n, length in zip(basis.shape, basis.lengths, strict=True)])
-        size = points.jacobian * points.grid.measure * cell
+        points = collocation_grid(basis).points(spline)
         mean = np.abs(points.curvature) / (basis.dimension - 1)
-        pull = ((self.even + self.curved * mean**1.5) * size).reshape(basis.shape)
+        cell = unit_measure(basis.dimension) / basis.count
+        pull = (self.even + self.curved * mean**1.5) * points.jacobian * cell
         position = points.position.reshape(-1, *basis.shape)
-        beside, strengths = neighbours(basis, position), neighbours(basis, pull)
-        pairs = list(zip(strengths, beside, strict=True))
-        force = np.sum([strength * (there - position) for strength, there in pairs], axis=0)
+        beside, pulls = neighbours(basis, position), neighbours(basis, pull.reshape(basis.shape))
+        force, fastest = np.zeros_like(position), np.zeros(basis.shape)
+        for there, strength, share in zip(beside, pulls, _shares(basis), strict=True):
+            force += strength * share * (there - position)
+            fastest += strength * share
         scale = self.pseudo_step * basis.count**1.5 / (1 + viscosity_ratio)
-        scale = min(scale, STABLE / float(np.sum(strengths, axis=0).max()))
-        drift = np.einsum(
-            "acn,cn->an", points.duals, scale * np.reshape(force, (len(position), -1))
-        )
+        scale = min(scale, STABLE / float(fastest.max()))
+        along = scale * force.reshape(len(position), -1)
+        drift = np.einsum("acn,cn->an", points.duals, along)
         moved = spline.evaluate(basis.parameters() + drift)
-        return replace(spline, coefficients=basis.fit(moved.reshape(position.shape)))
+        return replace(spline, coefficients=basis.fit(moved.reshape(-1, *basis.shape)))
+
+
+def _shares(basis: ClosedBasis) -> list[Array]:
+    """Weights of the differences to each of ``neighbours`` in a Laplacian: 1 on the circle, and
+    on the sphere those of ∂_θ (sin θ ∂_θ) / sin θ + ∂_φ² / sin² θ, times an even cell's area."""
+    if basis.dimension == 2:
+        return [np.ones(1)] * 2
+    (rows, columns), theta = basis.shape, basis.axes()[0][:, None]
+    south, east, area = np.pi / rows, 2 * np.pi / columns, 4 * np.pi / basis.count
+    meridian = [np.sin(theta + side * south / 2) / np.sin(theta) for side in (-1, 1)]
+    return [area / south**2 * m for m in meridian] + [area / (east * np.sin(theta)) ** 2] * 2

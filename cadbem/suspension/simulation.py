@@ -9,9 +9,9 @@ from functools import cached_property
 import numpy as np
 from tqdm import tqdm
 
-from cadbem.closed_points import ClosedPoints
+from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.errors import ShapeError
-from cadbem.operators.closed import ClosedLayers, closed_operator, collocation_grid
+from cadbem.operators.closed import ClosedLayers, closed_operator
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
