@@ -36,7 +36,7 @@ class Curve:
             "color": INK if chosen is None else PALETTE[chosen % len(PALETTE)],
             "linestyle": ("--" if self.dashed else "-") if self.line else "none",
             "linewidth": 0.9 if self.dashed else 1.5,
-            "marker": "os^Dv"[position % 5] if self.marks else None,
+            "marker": "os^Dv"[(chosen or 0) % 5] if self.marks else None,
             "label": self.label or None,
         }
 
