@@ -1,4 +1,4 @@
-"""Compiles the kernels ahead by solving the smallest flow that uses all of them."""
+"""Compiles the kernels ahead by the smallest flows and droplets that use all of them."""
 
 from __future__ import annotations
 
@@ -8,7 +8,13 @@ from tqdm import tqdm
 from cadbem.boundary import Boundary, Patch
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
 from cadbem.problems.stokes import StokesProblem
+from cadbem.spline.closed import ClosedSpline, spline_circle, spline_sphere
 from cadbem.spline.shapes import box
+from cadbem.suspension.droplet import Droplet
+from cadbem.suspension.flows import shear
+from cadbem.suspension.free_flow import FreeFlow
+from cadbem.suspension.interface import SurfaceTension
+from cadbem.suspension.simulation import Simulation
 
 
 def warm_up(progress: bool = True) -> None:
@@ -27,6 +33,14 @@ def warm_up(progress: bool = True) -> None:
         lambda: problem.layers,
         lambda: problem.solve().velocity_at(points),
         lambda: problem.solve().pressure_at(points),
+        lambda: _move(spline_circle(points=24)),
+        lambda: _move(spline_sphere(points=128)),
     )
     for step in tqdm(steps, desc="compiling", disable=None if progress else True):
         step()
+
+
+def _move(shape: ClosedSpline) -> None:
+    """A droplet with another viscosity than its surroundings: single and double layer."""
+    drop = Droplet(shape, SurfaceTension(1.0), viscosity_ratio=0.5)
+    list(Simulation(FreeFlow(shear(dimension=shape.dimension)), drop).run(1e-3))
