@@ -167,7 +167,8 @@ def test_volume_gradient_and_correction(shape):
     slope = (volume(moved(1e-5)) - volume(moved(-1e-5))) / 2e-5
     assert (volume_gradient(shape) * direction).sum() == pytest.approx(slope, rel=1e-8)
     target = 1.001 * volume(shape)
-    corrected, oracle = nearest_with_volume(shape, target), nearest_by_sqp(shape, target)
+    corrected = cb.CorrectVolume().apply(shape, target)
+    oracle = cb.CorrectVolume(nearest=nearest_by_sqp).apply(shape, target)
     assert volume(corrected) == pytest.approx(target, rel=1e-14)
     assert corrected.coefficients == pytest.approx(oracle.coefficients, abs=1e-8)
 

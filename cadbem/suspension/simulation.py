@@ -17,6 +17,7 @@ from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.free_flow import FreeFlow, Response
+from cadbem.suspension.measures import Measures, measure
 from cadbem.suspension.mesh import RelaxMesh, stretches, turning
 from cadbem.suspension.motion import Motion, affine_velocity
 from cadbem.suspension.stepping import Adaptive, Rate, Step, Stepper
@@ -54,6 +55,15 @@ class State:
     def response(self) -> Response:
         """The fluid's velocity on the interface and the traction jump."""
         return self.simulation.flow.respond(self.droplet, self.layers)
+
+    @cached_property
+    def measures(self) -> Measures:
+        """Deformation, inclination, volume, energies, mesh quality and more."""
+        flow, response = self.simulation.flow, self.response
+        return measure(
+            self.droplet.shape, response.velocity, response.jump, flow.background,
+            flow.viscosity, self.droplet.viscosity_ratio,
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, eq=False)

@@ -6,6 +6,7 @@ without error.  Its gradient with respect to a coefficient is ∫ N_i (x_θ × x
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -58,29 +59,11 @@ def volume_gradient(spline: ClosedSpline) -> Array:
     return spline.basis.smoothed(grid.transposed(area))
 
 
-@dataclass(frozen=True)
-class CorrectVolume:
-    """Keep the volume: the nearest coefficients, Σ |X_i - P_i|² smallest, with the right volume.
-
-    It acts when the volume is wrong by more than the share ``trigger``; the thesis has 1e-3.
-    The default corrects after every step, to machine precision.
-    """
-
-    trigger: float = 0.0
-
-    def apply(self, spline: ClosedSpline, target: float) -> ClosedSpline:
-        """The corrected spline, or the same one.
-
-        One constraint makes X = P + m dV/dX(X) with a single unknown m.  Raises ShapeError when
-        no nearby surface has the volume.
-        """
-        if abs(volume(spline) / target - 1) <= self.trigger:
-            return spline
-        return nearest_with_volume(spline, target)
-
-
 def nearest_with_volume(spline: ClosedSpline, target: float) -> ClosedSpline:
-    """The coefficients nearest to a spline's that enclose the volume ``target``."""
+    """The coefficients nearest to a spline's that enclose the volume ``target``: Newton's method.
+
+    Raises ShapeError when no nearby surface has the volume.
+    """
     start, result, amount = spline.coefficients, spline, 0.0
     for _ in range(ITERATIONS):
         gradient = volume_gradient(result)
@@ -124,3 +107,26 @@ def nearest_by_sqp(spline: ClosedSpline, target: float) -> ClosedSpline:
         options={"ftol": 1e-16, "maxiter": ITERATIONS},
     )  # fmt: skip
     return moved(result.x)
+
+
+@dataclass(frozen=True)
+class CorrectVolume:
+    """Keep the volume: the nearest coefficients, Σ |X_i - P_i|² smallest, with the right volume.
+
+    It acts when the volume is wrong by more than the share ``trigger``; the thesis has 1e-3.
+    The default corrects after every step, to machine precision.  ``nearest`` finds the
+    coefficients: one constraint makes X = P + m dV/dX(X) with a single unknown m; the thesis's
+    ``nearest_by_sqp`` does the same slowly.
+    """
+
+    trigger: float = 0.0
+    nearest: Callable[[ClosedSpline, float], ClosedSpline] = nearest_with_volume
+
+    def apply(self, spline: ClosedSpline, target: float) -> ClosedSpline:
+        """The corrected spline, or the same one.
+
+        Raises ShapeError when no nearby surface has the volume.
+        """
+        if abs(volume(spline) / target - 1) <= self.trigger:
+            return spline
+        return self.nearest(spline, target)
