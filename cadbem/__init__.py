@@ -96,6 +96,7 @@ if TYPE_CHECKING:
     from cadbem.suspension.simulation import State as State
     from cadbem.suspension.stepping import Adaptive as Adaptive
     from cadbem.suspension.stepping import Euler as Euler
+    from cadbem.suspension.thesis import thesis_methods as thesis_methods
     from cadbem.suspension.volume import CorrectVolume as CorrectVolume
 
 __version__ = "0.1.0"
@@ -182,6 +183,7 @@ _NAMES = {
     "suspension.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
     "suspension.simulation": ("Simulation", "State"),
     "suspension.stepping": ("Adaptive", "Euler"),
+    "suspension.thesis": ("thesis_methods",),
     "suspension.volume": ("CorrectVolume",),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}

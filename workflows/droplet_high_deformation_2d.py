@@ -12,14 +12,6 @@ import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots
 from cadbem.suspension.mesh import turning
 
-THESIS = {
-    "degree": 2,
-    "stepper": cb.Euler(0.01),
-    "motion": cb.normal_velocity,
-    "rule": cb.SingularitySubtraction(),
-    "volume": cb.CorrectVolume(1e-3),
-}
-
 
 def simulate(points: int, end: float, degree: int, capillary: float, **options) -> cb.History:
     droplet = cb.Droplet(
@@ -42,13 +34,14 @@ def main(
     end: float = 10.0,
 ) -> dict[str, cb.History]:
     # The thesis's three runs, ours, and the truth: ours with many points of degree 6
+    thesis = {"degree": 2, "capillary": capillary, **cb.thesis_methods()}
     relaxation = cb.RelaxMesh(0.2, 0.2, steps=10, pseudo_step=0.01)
     runs = {
-        f"thesis's way, N = {points}": simulate(points, end, capillary=capillary, **THESIS),
+        f"thesis's way, N = {points}": simulate(points, end, **thesis),
         f"thesis's way, N = {points}, relaxed": simulate(
-            points, end, capillary=capillary, mesh=relaxation, **THESIS
+            points, end, mesh=relaxation, **thesis
         ),
-        f"thesis's way, N = {fine}": simulate(fine, end, capillary=capillary, **THESIS),
+        f"thesis's way, N = {fine}": simulate(fine, end, **thesis),
         f"ours, N = {points}": simulate(points, end, 4, capillary, stepper=cb.Adaptive(1e-5)),
         f"truth: ours, N = {fine}, degree 6": simulate(
             fine, end, 6, capillary, stepper=cb.Adaptive(1e-6), rule=cb.PolarRule(1e-8)

@@ -23,16 +23,11 @@ READINGS = {
     "physical": (cb.capillary_tension(CAPILLARY), {0.2: 0.19907, 1.0: 0.19458, 2.0: 0.18218}),
 }
 OURS = {"degree": 4, "stepper": cb.Adaptive(1e-5), "rule": cb.PolarRule(1e-7)}
-THESIS = {
-    "degree": 2,
-    "stepper": cb.Euler(0.01),
-    "motion": cb.normal_velocity,
-    "rule": cb.SingularitySubtraction(),
-}
+THESIS = {"degree": 2, **cb.thesis_methods()}
 VARIANTS = {
-    "ours": OURS | {"volume": cb.CorrectVolume()},
+    "ours": OURS,
     "ours, not corrected": OURS | {"volume": None},
-    "thesis's way": THESIS | {"volume": cb.CorrectVolume(1e-3)},
+    "thesis's way": THESIS,
     "thesis's way, not corrected": THESIS | {"volume": None},
 }
 CASES = [("thesis's", ratio, variant) for ratio in (0.2, 1.0, 2.0) for variant in VARIANTS]
