@@ -232,7 +232,7 @@ def test_rules_integrate_over_the_sphere():
         theta, phi = np.meshgrid(*nodes.axes, indexing="ij")
         x = (np.sin(theta) * np.cos(phi)).ravel()
         for power, exact in ((0, 4 * np.pi), (2, 4 * np.pi / 3), (4, 4 * np.pi / 5)):
-            assert nodes.weights @ x**power == pytest.approx(exact, rel=1e-6)
+            assert nodes.weights.ravel() @ x**power == pytest.approx(exact, rel=1e-6)
 
 
 @pytest.mark.parametrize("rule", [lambda: PolarRule(0.5), lambda: SingularitySubtraction(0)])

@@ -34,7 +34,7 @@ THREADS_FROM = 400  # points from which threads are worth starting
 
 
 @njit(cache=True, nogil=True, fastmath=True)
-def _gather(spline, first_row, row_values, first_column, column_values, weights,
+def gather(spline, first_row, row_values, first_column, column_values, weights,
             grid, grid_rows, grid_columns, corrections, out):  # fmt: skip
     """Weighted fields at the nodes near each of T targets in a row: out (fields, K + K', T).
 
@@ -78,7 +78,7 @@ def _gather(spline, first_row, row_values, first_column, column_values, weights,
 
 
 @dataclass(frozen=True, eq=False)
-class _NearTable:
+class NearTable:
     """Splines' values at the polar nodes of one row of targets, and the grid nodes to mend."""
 
     row_first: Index
@@ -109,6 +109,11 @@ class ClosedOperator:
         return closed_rule(self.rule, self.basis.shape)
 
     @cached_property
+    def weights(self) -> Array:
+        """Weights (nodes,) of the grid for the unit circle or sphere."""
+        return self.nodes.weights.ravel()
+
+    @cached_property
     def grid(self) -> ClosedGrid:
         """The grid of quadrature nodes."""
         return ClosedGrid(self.basis, self.nodes.axes)
@@ -129,11 +134,15 @@ class ClosedOperator:
         return self.fine.shape[-1] // self.basis.shape[-1]
 
     @cached_property
-    def tables(self) -> list[_NearTable]:
+    def tables(self) -> list[NearTable]:
         """One table for each row of targets."""
-        return [self._table(near) for near in self.nodes.near]
+        if not self.nodes.spacings:
+            return []
+        firsts = self.basis.parameters()[:, :: self.basis.shape[-1]]
+        return [self.table(self.nodes.near(first)) for first in firsts.T]
 
-    def _table(self, near: NearNodes) -> _NearTable:
+    def table(self, near: NearNodes) -> NearTable:
+        """Splines' values at nodes near a target."""
         degree, count = self.basis.degree, len(near.weights)
         first, values = window(degree, self.fine.shape[-1], 2 * np.pi, near.parameters[-1])
         rows, row_values = np.zeros(count, dtype=np.int64), np.ones((1, count))
@@ -142,20 +151,24 @@ class ClosedOperator:
             rows = rows + degree  # the padded array begins that many rows earlier
         first = first % self.fine.shape[-1]
         tail = (near.weights, near.rows, near.columns, near.corrections)
-        return _NearTable(rows, row_values, first, values, *tail)
+        return NearTable(rows, row_values, first, values, *tail)
 
-    def _padded(self, values: Array) -> Array:
-        """Spline coefficients through values at the grid's nodes, for ``_gather``, with ``degree``
+    def padded(self, values: Array) -> Array:
+        """Spline coefficients through values at the grid's nodes, for ``gather``, with ``degree``
         rows repeated around the poles."""
         basis = self.fine
         full = basis.doubled(basis.interpolate(values.reshape(-1, *basis.shape)))
         if basis.dimension == 2:
-            return self._residues(full[:, None])
+            return self.residues(full[:, None])
         rows = np.arange(-basis.degree, basis.shape[0] + basis.degree) % full.shape[1]
-        return self._residues(full[:, rows])
+        return self.residues(full[:, rows])
 
-    def _residues(self, values: Array) -> Array:
-        """Arrays (fields, rows, columns) as (rows, m, ·): see ``_gather``."""
+    def on_rows(self, values: Array) -> Array:
+        """Values (fields, nodes) at the grid's nodes, for ``gather``."""
+        return self.residues(values.reshape(len(values), -1, self.fine.shape[-1]))
+
+    def residues(self, values: Array) -> Array:
+        """Arrays (fields, rows, columns) as (rows, m, ·): see ``gather``."""
         m, columns = self.factor, self.basis.shape[-1]
         split = values.reshape(*values.shape[:2], columns, m)
         places = np.arange(2 * columns + self.basis.degree + 1) % columns
@@ -167,15 +180,15 @@ class ClosedOperator:
         row; ``weighted`` multiplies them by the nodes' weights."""
         if not self.tables:
             return []
-        spline = self._padded(values)
-        grid = self._residues(values.reshape(len(values), -1, self.fine.shape[-1]))
+        spline = self.padded(values)
+        grid = self.on_rows(values)
 
-        def row(table: _NearTable) -> Array:
+        def row(table: NearTable) -> Array:
             out = np.empty((len(values), table.count, self.basis.shape[-1]))
             weights, corrections = table.weights, table.corrections
             if not weighted:
                 weights, corrections = np.ones_like(weights), np.ones_like(corrections)
-            _gather(
+            gather(
                 spline, table.row_first, table.row_values, table.column_first,
                 table.column_values, weights, grid, table.grid_rows, table.grid_columns,
                 corrections, out,
@@ -226,7 +239,7 @@ class ClosedLayers:
     @property
     def weights(self) -> Array:
         """Weights (nodes,) that integrate over the curve or surface."""
-        return self.operator.nodes.weights * self.points.jacobian
+        return self.operator.weights * self.points.jacobian
 
     @cached_property
     def _sums(self) -> StokesSums:
@@ -249,12 +262,12 @@ class ClosedLayers:
         if isinstance(self.operator.rule, SingularitySubtraction):
             whole = self._single(density * self.points.jacobian)
             return whole - level * self._single(self.area)
-        mean = (density * self.area).sum(axis=0) @ self.operator.nodes.weights
+        mean = (density * self.area).sum(axis=0) @ self.operator.weights
         mean /= self.weights.sum()
         return self._single((density - mean * self.points.normal) * self.points.jacobian)
 
     def _single(self, vector: Array) -> Array:
-        source = vector * self.operator.nodes.weights
+        source = vector * self.operator.weights
         near = [[part] for part in self.operator.near(vector, weighted=True)]
         return self._total(self._sums.single, self._sums.single_near, [], [source], near)
 
@@ -265,7 +278,7 @@ class ClosedLayers:
         """
         nodes = self.operator.grid.values(coefficients)
         own = self.operator.collocation.values(coefficients)
-        weighted = self.area * self.operator.nodes.weights
+        weighted = self.area * self.operator.weights
         near_density = self.operator.near(nodes, weighted=False)
         near = [list(pair) for pair in zip(self._near_area, near_density, strict=True)]
         functions = self._sums.double, self._sums.double_near

@@ -9,20 +9,21 @@ away the singularity; on the circle, a rule for logarithms on either side.  (Bru
     ∫ f = Σ_grid w f - Σ_grid η w f + Σ_polar η v f,
 
 the first sum is the same for all targets.  All nodes are fixed in the parameters; targets in a row
-of equal colatitude share theirs up to a turn.
+of equal colatitude share theirs up to a turn.  Targets near the surface are served alike, with
+polar coordinates around their nearest point.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from math import ceil, log, pi, sqrt
+from math import asinh, ceil, log, pi, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erfc
 
-from cadbem.quadrature.gauss import Array, gauss_on_breaks, gauss_unit, log_unit
+from cadbem.quadrature.gauss import MAX_ORDER, Array, gauss_on_breaks, gauss_unit, log_unit
 
 Index = NDArray[np.int64]
 
@@ -77,7 +78,7 @@ SelfRule = PolarRule | SingularitySubtraction
 
 @dataclass(frozen=True, eq=False)
 class NearNodes:
-    """Nodes around the targets of one row, relative to the first target in the row.
+    """Nodes around one point, and where the grid's weights change there.
 
     ``parameters`` (p, K) and ``weights`` (K,) of the polar part; ``rows``, ``columns`` (K',) of
     grid nodes, with ``corrections`` (K',) to their weights.
@@ -92,12 +93,69 @@ class NearNodes:
 
 @dataclass(frozen=True, eq=False)
 class ClosedRule:
-    """A grid on the circle or sphere (``axes``; ``weights`` (nodes,) for its own length or area),
-    and the nodes near the targets in each row; none for singularity subtraction."""
+    """A grid on the circle or sphere, and what is needed near a target.
+
+    ``axes`` of the grid and ``weights`` (*grid) for its own length or area; the window reaches
+    over ``spacings`` of the grid (none for singularity subtraction) with a ``steepness``.
+    """
 
     axes: list[Array]
     weights: Array
-    near: list[NearNodes]
+    spacings: float
+    steepness: float
+
+    @property
+    def radius(self) -> float:
+        """Of the window, as an angle."""
+        step = max(float(axis[1] - axis[0]) for axis in self.axes)
+        return min(self.spacings * step, pi)
+
+    def near(self, centre: Array, distance: float = 0.0) -> NearNodes:
+        """Nodes for a target whose nearest point has the parameters ``centre`` (p,).
+
+        ``distance`` of the target in angles of the circle or sphere, 0 if it is a surface point.
+        """
+        away = self._away(centre)
+        places = np.nonzero(away < self.radius)
+        share = away[places] / self.radius
+        corrections = -self.weights[places] * _window(share, self.steepness)
+        parameters, weights = self._polar(centre, distance)
+        rows = np.zeros_like(places[0]) if len(places) == 1 else places[0]
+        return NearNodes(parameters, weights, rows, places[-1], corrections)
+
+    def _away(self, centre: Array) -> Array:
+        """Angles (*grid) between the centre and the grid's nodes."""
+        if len(self.axes) == 1:
+            return np.abs((self.axes[0] - centre[0] + pi) % (2 * pi) - pi)
+        return _angle(centre[0], centre[1], self.axes[0][:, None], self.axes[1])
+
+    def _polar(self, centre: Array, distance: float) -> tuple[Array, Array]:
+        """Parameters (p, K) and weights (K,) in the window."""
+        reach, weights = self._radial(distance)
+        weights = weights * _window(reach / self.radius, self.steepness)
+        if len(self.axes) == 1:
+            sides = np.concatenate([centre[0] - reach, centre[0] + reach])
+            return sides[None], np.concatenate([weights, weights])
+        around = ceil(3.5 * self.spacings)
+        directions = (np.arange(around) + 0.5) * 2 * pi / around
+        reaches, angles = (g.ravel() for g in np.meshgrid(reach, directions, indexing="ij"))
+        weights = np.repeat(weights * np.sin(reach) * 2 * pi / around, around)
+        return _around(centre[0], centre[1], reaches, angles), weights
+
+    def _radial(self, distance: float) -> tuple[Array, Array]:
+        """Nodes and weights over 0 ... radius: for logarithms on a curve, else ordinary ones,
+        crowded like ρ = d sinh t for a target at a distance d."""
+        if distance == 0.0 and len(self.axes) == 1:
+            unit, weights = log_unit(2 * ceil(self.steepness**2) + 8)
+            return self.radius * unit, self.radius * weights
+        order, top = 1.5 * self.spacings, 0.0
+        if distance > 0.0:
+            top = asinh(self.radius / distance)
+            order += 1.5 * top
+        unit, weights = gauss_unit(min(ceil(order), MAX_ORDER))
+        if distance == 0.0:
+            return self.radius * unit, self.radius * weights
+        return distance * np.sinh(top * unit), top * weights * distance * np.cosh(top * unit)
 
 
 @lru_cache(maxsize=32)
@@ -105,13 +163,24 @@ def closed_rule(rule: SelfRule, shape: tuple[int, ...]) -> ClosedRule:
     """The rule for (n,) collocation points on the circle, or (rows, columns) on the sphere."""
     if isinstance(rule, SingularitySubtraction):
         return _gauss_grid(rule.order, shape)
-    grid = tuple(rule.refinement * n for n in shape)
+    grid = [rule.refinement * n for n in shape]
     digits = -log(rule.tolerance)
-    steepness = sqrt(digits)  # erfc(s) falls like exp(-s²)
-    spacings = digits / (pi / 2)  # the grid resolves the window's spectrum exp(-(πS/2s)²)
+    # erfc(s) falls like exp(-s²); the grid resolves the window's spectrum exp(-(πS/2s)²)
+    window = {"steepness": sqrt(digits), "spacings": digits / (pi / 2)}
+    phi = 2 * pi / grid[-1] * np.arange(0.5, grid[-1])
+    even = np.full(grid[-1], 2 * pi / grid[-1])
     if len(shape) == 1:
-        return _circle(shape[0], grid[0], spacings, steepness)
-    return _sphere(shape, grid, spacings, steepness)
+        return ClosedRule([phi], even, **window)
+    theta = pi / grid[0] * np.arange(0.5, grid[0])
+    return ClosedRule([theta, phi], np.outer(fejer_weights(grid[0]), even), **window)
+
+
+def _gauss_grid(order: int, shape: tuple[int, ...]) -> ClosedRule:
+    phi, weights = gauss_on_breaks(order, np.linspace(0, 2 * pi, shape[-1] + 1))
+    if len(shape) == 1:
+        return ClosedRule([phi], weights, 0.0, 1.0)
+    theta, row_weights = gauss_on_breaks(order, np.linspace(0, pi, shape[0] + 1))
+    return ClosedRule([theta, phi], np.outer(row_weights * np.sin(theta), weights), 0.0, 1.0)
 
 
 def fejer_weights(count: int) -> Array:
@@ -127,69 +196,7 @@ def _window(share: Array, steepness: float) -> Array:
     return np.where(share < 1, 0.5 * erfc(steepness * (2 * inside - 1)), 0.0)
 
 
-def _gauss_grid(order: int, shape: tuple[int, ...]) -> ClosedRule:
-    if len(shape) == 1:
-        nodes, weights = gauss_on_breaks(order, np.linspace(0, 2 * pi, shape[0] + 1))
-        return ClosedRule([nodes], weights, [])
-    theta, row_weights = gauss_on_breaks(order, np.linspace(0, pi, shape[0] + 1))
-    phi, column_weights = gauss_on_breaks(order, np.linspace(0, 2 * pi, shape[1] + 1))
-    weights = np.outer(row_weights * np.sin(theta), column_weights).ravel()
-    return ClosedRule([theta, phi], weights, [])
-
-
-def _circle(count: int, nodes: int, spacings: float, steepness: float) -> ClosedRule:
-    step = 2 * pi / nodes
-    radius = min(spacings * step, pi)
-    axis = step * np.arange(0.5, nodes)
-    target = pi / count
-    unit, weights = log_unit(2 * ceil(steepness**2) + 8)
-    weights = weights * radius * _window(unit, steepness)
-    parameters = np.concatenate([target - radius * unit, target + radius * unit])
-    away = np.abs((axis - target + pi) % (2 * pi) - pi)
-    inside = np.nonzero(away < radius)[0]
-    near = NearNodes(
-        parameters[None],
-        np.concatenate([weights, weights]),
-        np.zeros_like(inside),
-        inside,
-        -step * _window(away[inside] / radius, steepness),
-    )
-    return ClosedRule([axis], np.full(nodes, step), [near])
-
-
-def _sphere(
-    shape: tuple[int, ...],
-    grid: tuple[int, ...],
-    spacings: float,
-    steepness: float,
-) -> ClosedRule:
-    theta = (np.arange(grid[0]) + 0.5) * pi / grid[0]
-    phi = (np.arange(grid[1]) + 0.5) * 2 * pi / grid[1]
-    weights = np.outer(fejer_weights(grid[0]), np.full(grid[1], 2 * pi / grid[1]))
-    radius = min(spacings * max(pi / grid[0], 2 * pi / grid[1]), pi)
-    polar = _polar_disc(radius, spacings, steepness)
-    near = []
-    for j in range(shape[0]):
-        first = (j + 0.5) * pi / shape[0]
-        away = _distance(first, pi / shape[1], theta[:, None], phi[None])
-        rows, columns = np.nonzero(away < radius)
-        corrections = -weights[rows, columns] * _window(away[rows, columns] / radius, steepness)
-        parameters = _around(first, pi / shape[1], polar[0], polar[1])
-        near.append(NearNodes(parameters, polar[2], rows, columns, corrections))
-    return ClosedRule([theta, phi], weights.ravel(), near)
-
-
-def _polar_disc(radius: float, spacings: float, steepness: float) -> tuple[Array, Array, Array]:
-    """Distances, directions and weights around a point of the sphere, window included."""
-    around = ceil(3.5 * spacings)
-    unit, unit_weights = gauss_unit(min(ceil(1.5 * spacings), 64))
-    weights = radius * unit_weights * np.sin(radius * unit) * _window(unit, steepness)
-    directions = (np.arange(around) + 0.5) * 2 * pi / around
-    reach, angle = np.meshgrid(radius * unit, directions, indexing="ij")
-    return reach.ravel(), angle.ravel(), np.repeat(weights * 2 * pi / around, around)
-
-
-def _distance(theta: float, phi: float, other_theta: Array, other_phi: Array) -> Array:
+def _angle(theta: float, phi: float, other_theta: Array, other_phi: Array) -> Array:
     """Angles between a point of the sphere and others (haversine formula)."""
     half = (
         np.sin((other_theta - theta) / 2) ** 2

@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 from tqdm import tqdm
 
 from cadbem.closed_points import ClosedPoints, collocation_grid
@@ -16,6 +17,7 @@ from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
+from cadbem.suspension.fields import velocity_at
 from cadbem.suspension.free_flow import FreeFlow, Response
 from cadbem.suspension.measures import Measures, measure
 from cadbem.suspension.mesh import RelaxMesh, stretches, turning
@@ -55,6 +57,11 @@ class State:
     def response(self) -> Response:
         """The fluid's velocity on the interface and the traction jump."""
         return self.simulation.flow.respond(self.droplet, self.layers)
+
+    def velocity_at(self, points: ArrayLike) -> Array:
+        """Velocity (dim, M) of the fluids at points (dim, M) inside and outside."""
+        flow = self.simulation.flow
+        return velocity_at(flow, self.droplet, self.layers, self.response, points)
 
     @cached_property
     def measures(self) -> Measures:
