@@ -88,6 +88,7 @@ if TYPE_CHECKING:
     from cadbem.suspension.measures import inclination as inclination
     from cadbem.suspension.measures import measure as measure
     from cadbem.suspension.measures import taylor_deformation as taylor_deformation
+    from cadbem.suspension.membrane import InextensibleMembrane as InextensibleMembrane
     from cadbem.suspension.mesh import RelaxMesh as RelaxMesh
     from cadbem.suspension.motion import affine_velocity as affine_velocity
     from cadbem.suspension.motion import full_velocity as full_velocity
@@ -179,6 +180,7 @@ _NAMES = {
     "suspension.history": ("History", "record"),
     "suspension.interface": ("Bending", "SurfaceTension", "capillary_tension", "thesis_tension_2d"),
     "suspension.measures": ("inclination", "measure", "taylor_deformation"),
+    "suspension.membrane": ("InextensibleMembrane",),
     "suspension.mesh": ("RelaxMesh",),
     "suspension.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
     "suspension.simulation": ("Simulation", "State"),
