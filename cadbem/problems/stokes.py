@@ -117,17 +117,36 @@ class StokesProblem:
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
+        known = self._known(self.system)
+        background = self.background.velocity_at(self.space.collocation.position)
+        return self._solution(known, background, self._constraints(*known))
+
+    def reflection(self, induced: Array) -> StokesSolution:
+        """What the boundary adds to a flow that bodies make, with all given data zero.
+
+        ``induced`` (dim, T) is that flow at the collocation points, as it were without the
+        boundary.  The whole flow is the sum of ``solve()``, of this, and of what the bodies make.
+        """
+        zero = np.zeros((self.boundary.dimension, self.space.count))
+        return self._solution((zero, zero), induced, 0.0)
+
+    @cached_property
+    def system(self) -> MixedSystem:
+        """The linear system, which keeps its factors."""
         splits = [
             split(self.conditions[p.name], self.openings.get(p.name), self.boundary.dimension)
             for p in self.boundary.patches
         ]
         border = self._border(splits) if self.given_bodies else None
-        system = MixedSystem(self.layers, -1 / self.viscosity, splits, border)
-        known = self._known(system)
-        background = self.background.velocity_at(self.space.collocation.position)
-        source = 2 * system.free_term * background
-        unknowns = system.unknowns(*known, source, self._constraints(*known))
-        velocity, traction = system.complete(*known, unknowns)
+        return MixedSystem(self.layers, -1 / self.viscosity, splits, border)
+
+    def _solution(
+        self, known: tuple[Array, Array], background: Array, constraints: Array | float
+    ) -> StokesSolution:
+        """The flow with known data and a background velocity (dim, T) at collocation points."""
+        source = 2 * self.system.free_term * background
+        unknowns = self.system.unknowns(*known, source, constraints)
+        velocity, traction = self.system.complete(*known, unknowns)
         return StokesSolution(self, Field(self.space, velocity), Field(self.space, traction))
 
     def _border(self, splits: list[Split]) -> Border:
