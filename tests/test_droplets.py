@@ -304,3 +304,26 @@ def test_wrong_values_are_refused():
     drop = cb.Droplet(shape, cb.SurfaceTension(1.0))
     with pytest.raises(cb.ShapeError, match="positive"):
         list(cb.Simulation(cb.FreeFlow(cb.shear(dimension=2)), drop).run(-1.0))
+
+
+@pytest.mark.parametrize("axes", [(1.0, 1.0, 1.0), (1.6, 1.0, 0.7), (1.0, 1.0), (2.0, 0.6)])
+def test_fastest_relaxation_is_bounded(axes):
+    """The rate by which time steps are limited is above the largest eigenvalue of a relaxing
+    shape's motion, from power iteration, by less than a factor of two."""
+    shape = cb.spline_ellipsoid(axes, points=128 if len(axes) == 3 else 32)
+    run = cb.Simulation(
+        cb.FreeFlow(cb.at_rest(len(axes))), cb.Droplet(shape, cb.SurfaceTension(1.0))
+    )
+
+    def slope(coefficients):
+        layers = run.layers(cb.ClosedSpline(shape.basis, coefficients))
+        velocity = run.flow.respond(run.droplet, layers).velocity
+        return cb.normal_velocity(layers, velocity)
+
+    start, wave = slope(shape.coefficients), RANDOM.normal(size=shape.coefficients.shape)
+    wave = shape.basis.smoothed(wave)
+    for _ in range(60):
+        wave /= np.linalg.norm(wave)
+        wave = (slope(shape.coefficients + 1e-5 * wave) - start) / 1e-5
+    bound = run.fastest(points_of(shape))
+    assert bound / 2 < np.linalg.norm(wave) < bound

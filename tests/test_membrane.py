@@ -249,7 +249,7 @@ def test_nearly_round_tank_treading():
     squares = np.array([0.01, 0.02]) * 2 / 3
     for square, first in zip(squares, (40.4, 38.5), strict=True):
         start = vesicle(1 - 1.5 * square, first, points=32)
-        shape, angle, normal = settle(start, 0.02, 1.2, 1e-4, full_velocity)
+        shape, angle, normal = settle(start, 0.02, 1.2, 3e-5, full_velocity)
         assert normal < 1e-3
         assert area(shape) == pytest.approx(area(start), rel=1e-5)
         shares.append(np.cos(2 * np.radians(angle)) / (2 * np.sqrt(square)))
@@ -278,8 +278,3 @@ def test_tension_that_cannot_be_found():
     stretched = layers.spline.coefficients
     with pytest.raises(ConditionError, match="tension of the membrane was not found"):
         InextensibleMembrane().close(layers, lambda jump: stretched)
-
-
-def test_stiffness():
-    """h k⁴ + τ k²."""
-    assert InextensibleMembrane(2.0, 3.0).stiffness(10.0) == pytest.approx(20300.0)

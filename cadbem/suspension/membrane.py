@@ -73,8 +73,9 @@ class InextensibleMembrane:
         return respond(jump), jump
 
     def stiffness(self, wave_number: float) -> float:
-        """h k⁴ + τ k²."""
-        return self.rigidity * wave_number**4 + self.tension * wave_number**2
+        """That of bending, and τ k²."""
+        bending = Bending(self.rigidity).stiffness(wave_number)
+        return bending + self.tension * wave_number**2
 
 
 def tension_jump(points: ClosedPoints, tension: Array) -> Array:
