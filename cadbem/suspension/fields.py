@@ -11,7 +11,8 @@ from cadbem.points import area_vector
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.free_flow import FreeFlow, Response
+from cadbem.suspension.free_flow import FreeFlow
+from cadbem.suspension.together import Response
 
 
 def is_inside(shape: ClosedSpline, points: Array) -> Array:

@@ -1,54 +1,22 @@
-"""A droplet in unbounded flow: the velocity of its interface (Eq. 3.4 and 4.1).
-
-With h = 4π (2π in 2D), λ the viscosity ratio and μ the outer viscosity,
-
-    (1 + λ) u = 2 u∞ - S[Δf] / (h μ) + (1 - λ) / h D[u],
-
-or u - β D u / h = b with β = (1 - λ) / (1 + λ).  D / h has the eigenvalue -1 for rigid motions,
-and +1 with n as left eigenvector; they make the equation ill-conditioned for λ → ∞ and λ → 0.  Both
-are deflated (Kim and Karrila 1991, ch. 16; Pozrikidis 1992, ch. 4): with P the projection on rigid
-motions and Q that on n,
-
-    w - β (D / h + P - Q) w = b - Q b,    u = w - β / (1 + β) P w,
-
-which also keeps the flux through the interface at zero.
-"""
+"""Droplets in unbounded fluid."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
-import numpy as np
-from scipy.sparse.linalg import LinearOperator, gmres
-
-from cadbem.closed_points import ClosedPoints
 from cadbem.errors import ConditionError
 from cadbem.operators.closed import ClosedLayers
-from cadbem.quadrature.closed import fejer_weights
 from cadbem.spline.basis import Array
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.flows import BackgroundFlow
-from cadbem.suspension.interface import Jump
-
-SOLVER_TOLERANCE = 1e-8
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """The interface's ``velocity``, coefficients (dim, *shape), the ``jump`` that goes with it, and
-    the number of ``iterations`` that the equation took."""
-
-    velocity: Array
-    jump: Jump
-    iterations: int
+from cadbem.suspension.together import Induced, Response, respond_together
 
 
 @dataclass(frozen=True, eq=False)
 class FreeFlow:
     """Unbounded fluid of a ``viscosity`` that flows like ``background`` far away.
 
-    ``deflated`` False leaves the equation as it stands, for comparison.
+    ``deflated`` False leaves the droplets' equations as they stand, for comparison.
     """
 
     background: BackgroundFlow
@@ -59,134 +27,17 @@ class FreeFlow:
         if not self.viscosity > 0:
             raise ConditionError(f"viscosity {self.viscosity}: give a positive number")
 
+    def velocity(self, points: Array) -> Array:
+        """Velocity (dim, M) at points (dim, M) without any droplet."""
+        return self.background.velocity(points)
+
+    def reflected(self, induced: Induced, points: Array) -> float:
+        """Nothing: there are no walls."""
+        return 0.0
+
     def respond(
         self, droplet: Droplet, layers: ClosedLayers, guess: Array | None = None
     ) -> Response:
-        """The velocity of a droplet's interface; ``guess`` (coefficients) may speed it up."""
-        equation = InterfaceEquation(layers, droplet.viscosity_ratio, self.deflated)
-        flow = 2 * self.background.velocity(layers.targets.position)
-        iterations = []
-
-        def respond(jump: Jump) -> Array:
-            level = (jump(layers.targets) * layers.targets.normal).sum(axis=0)
-            single = layers.single(jump(layers.points), level)
-            right = flow - single / (equation.half * self.viscosity)
-            velocity, count = equation.solve(right / (1 + droplet.viscosity_ratio), guess)
-            iterations.append(count)
-            return velocity
-
-        velocity, jump = droplet.interface.close(layers, respond)
-        return Response(velocity, jump, sum(iterations))
-
-
-@dataclass(frozen=True, eq=False)
-class InterfaceEquation:
-    """u - β D u / h = b on one interface, solved by GMRES."""
-
-    layers: ClosedLayers
-    viscosity_ratio: float
-    deflated: bool = True
-
-    @property
-    def half(self) -> float:
-        """h: half of what ∫ T·n gives inside, 4π or 2π."""
-        return 4 * np.pi if self.layers.spline.dimension == 3 else 2 * np.pi
-
-    @property
-    def beta(self) -> float:
-        """(1 - λ) / (1 + λ)."""
-        return (1 - self.viscosity_ratio) / (1 + self.viscosity_ratio)
-
-    @property
-    def _targets(self) -> ClosedPoints:
-        return self.layers.targets
-
-    @cached_property
-    def _weights(self) -> Array:
-        """Area of each collocation point, as a share of the whole."""
-        area = self._targets.jacobian * collocation_weights(self.layers)
-        return area / area.sum()
-
-    @cached_property
-    def _rigid(self) -> Array:
-        """Rigid motions (modes, dim, N), orthonormal in the mean over the interface."""
-        modes = rigid_motions(self._targets.position, self._weights)
-        flat = modes.reshape(len(modes), -1)
-        root = np.sqrt(np.tile(self._weights, self.layers.spline.dimension))
-        basis = np.linalg.qr((flat * root).T)[0].T / root
-        return basis.reshape(modes.shape)
-
-    def _project(self, values: Array) -> Array:
-        """P: the nearest rigid motion."""
-        amounts = np.einsum("mcn,cn,n->m", self._rigid, values, self._weights)
-        return np.einsum("m,mcn->cn", amounts, self._rigid)
-
-    def _flux(self, values: Array) -> Array:
-        """Q: n times the mean flux through the interface."""
-        normal = self._targets.normal
-        return normal * ((values * normal).sum(axis=0) @ self._weights)
-
-    def _apply(self, values: Array) -> Array:
-        """w - β (D / h + P - Q) w at the collocation points."""
-        basis = self.layers.operator.basis
-        coefficients = basis.fit(values.reshape(-1, *basis.shape))
-        doubled = self.layers.double(coefficients) / self.half
-        if self.deflated:
-            doubled += self._project(values) - self._flux(values)
-        return values - self.beta * doubled
-
-    def solve(self, right: Array, guess: Array | None = None) -> tuple[Array, int]:
-        """Coefficients (dim, *shape) of u for b (dim, N), and GMRES iterations.
-
-        Raises ConditionError when GMRES does not converge.
-        """
-        basis = self.layers.operator.basis
-        if self.deflated:
-            right = right - self._flux(right)
-        count, values = 0, right
-        if self.beta != 0.0:
-            values, count = self._iterate(right, guess)
-            if self.deflated:
-                values = values - self.beta / (1 + self.beta) * self._project(values)
-        return basis.fit(values.reshape(-1, *basis.shape)), count
-
-    def _iterate(self, right: Array, guess: Array | None) -> tuple[Array, int]:
-        shape = right.shape
-        residuals: list[float] = []
-        start = right
-        if guess is not None:
-            start = self.layers.operator.collocation.values(guess)
-            if self.deflated:
-                start = start + self.beta * self._project(start)
-        system = LinearOperator(
-            (right.size, right.size), lambda w: self._apply(w.reshape(shape)).ravel(), dtype=float
-        )
-        solution, failed = gmres(
-            system, right.ravel(), x0=start.ravel(), rtol=SOLVER_TOLERANCE, restart=60,
-            maxiter=5, callback=residuals.append, callback_type="pr_norm",
-        )  # fmt: skip
-        if failed:
-            raise ConditionError(
-                f"the velocity of a droplet with viscosity ratio {self.viscosity_ratio:g} did not "
-                f"converge: residual {residuals[-1]:.1e} after {len(residuals)} iterations"
-            )
-        return solution.reshape(shape), len(residuals)
-
-
-def collocation_weights(layers: ClosedLayers) -> Array:
-    """Weights (N,) of the collocation points on the unit circle or sphere."""
-    shape = layers.operator.basis.shape
-    if len(shape) == 1:
-        return np.full(shape[0], 2 * np.pi / shape[0])
-    return np.repeat(fejer_weights(shape[0]) * 2 * np.pi / shape[1], shape[1])
-
-
-def rigid_motions(position: Array, weights: Array) -> Array:
-    """Translations and rotations about the mean point: (3 or 6, dim, N)."""
-    dim = len(position)
-    arm = position - (position @ weights)[:, None] / weights.sum()
-    shifts = np.broadcast_to(np.eye(dim)[:, :, None], (dim, *arm.shape))
-    if dim == 2:
-        return np.concatenate([shifts, [np.stack([-arm[1], arm[0]])]])
-    turns = [np.cross(axis, arm, axisa=0, axisb=0, axisc=0) for axis in np.eye(3)]
-    return np.concatenate([shifts, turns])
+        """The velocity of one droplet's interface; ``guess`` (coefficients) may speed it up."""
+        guesses = None if guess is None else [guess]
+        return respond_together(self, [droplet], [layers], guesses)[0]

@@ -49,6 +49,10 @@ class SurfaceTension:
         """See the top of this file."""
         return respond(self.jump), self.jump
 
+    def jump_of(self, layers: ClosedLayers) -> Jump:
+        """The jump, whatever the surface."""
+        return self.jump
+
     def stiffness(self, wave_number: float) -> float:
         """γ k²."""
         return self.tension * wave_number**2

@@ -12,7 +12,7 @@ import numpy as np
 from cadbem.closed_points import ClosedPoints
 from cadbem.operators.closed import ClosedLayers
 from cadbem.spline.basis import Array
-from cadbem.suspension.free_flow import collocation_weights
+from cadbem.suspension.interface_equation import collocation_weights
 
 Motion = Callable[[ClosedLayers, Array], Array]
 RIDGE = 1e-2  # strain rate that costs as much as the same share of normal velocity

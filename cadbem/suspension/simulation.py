@@ -18,11 +18,12 @@ from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.fields import velocity_at
-from cadbem.suspension.free_flow import FreeFlow, Response
+from cadbem.suspension.free_flow import FreeFlow
 from cadbem.suspension.measures import Measures, measure
 from cadbem.suspension.mesh import RelaxMesh, stretches, turning
 from cadbem.suspension.motion import Motion, affine_velocity
 from cadbem.suspension.stepping import Adaptive, Rate, Step, Stepper
+from cadbem.suspension.together import Response
 from cadbem.suspension.volume import CorrectVolume, volume
 
 TURN_LIMIT = 75.0  # degrees between neighbouring normals from which a shape is not resolved
@@ -33,8 +34,8 @@ SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 @dataclass(frozen=True, eq=False)
 class State:
     """A ``droplet`` at a ``time`` and how it got there: accepted ``steps`` and ``evaluations`` of
-    the velocity so far, the ``length`` of the last step, ``drift``, the relative error of the
-    volume before its correction summed over the steps.
+    the velocity so far, the ``length`` of the last step, and ``drift``, the relative error of the
+    volume that it made, before correction.
 
     ``stopped`` is empty, or says why a run ended early.
     """

@@ -1,0 +1,50 @@
+"""Droplets in a channel: its walls answer to what droplets do."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+from cadbem.operators.closed import ClosedLayers
+from cadbem.problems.solution import StokesSolution
+from cadbem.problems.stokes import StokesProblem
+from cadbem.spline.basis import Array
+from cadbem.suspension.droplet import Droplet
+from cadbem.suspension.together import Induced, Response, respond_together
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelFlow:
+    """The fluid in a channel; the ``problem``'s matrix is assembled and factorised once.
+
+    ``deflated`` False leaves the droplets' equations as they stand, for comparison.
+    """
+
+    problem: StokesProblem
+    deflated: bool = True
+
+    @property
+    def viscosity(self) -> float:
+        """Viscosity of the fluid outside the droplets."""
+        return self.problem.viscosity
+
+    @cached_property
+    def empty(self) -> StokesSolution:
+        """The flow without droplets."""
+        return self.problem.solve()
+
+    def velocity(self, points: Array) -> Array:
+        """Velocity (dim, M) at points (dim, M) without any droplet."""
+        return self.empty.velocity_at(points)
+
+    def reflected(self, induced: Induced, points: Array) -> Array:
+        """Velocity (dim, M) that the boundary adds to one that droplets make."""
+        at_walls = induced(self.problem.space.collocation.position)
+        return self.problem.reflection(at_walls).velocity_at(points)
+
+    def respond(
+        self, droplet: Droplet, layers: ClosedLayers, guess: Array | None = None
+    ) -> Response:
+        """The velocity of one droplet's interface; ``guess`` (coefficients) may speed it up."""
+        guesses = None if guess is None else [guess]
+        return respond_together(self, [droplet], [layers], guesses)[0]
