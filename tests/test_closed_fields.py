@@ -43,10 +43,8 @@ def test_linear_flow_through_an_interface(dimension, ratio):
 
     law = SimpleNamespace(close=lambda layers, respond: (respond(jump), jump))
     shape = wavy(dimension, 14)
-    state = cb.State(
-        cb.Simulation(cb.FreeFlow(flow), cb.Droplet(shape, law, ratio)), 0.0,
-        cb.Droplet(shape, law, ratio),
-    )  # fmt: skip
+    run = cb.Simulation(cb.FreeFlow(flow), cb.Droplet(shape, law, ratio))
+    state = cb.State(run, 0.0, run.droplets)
     points = np.random.default_rng(0).uniform(-2, 2, (dimension, 40))
     assert state.velocity_at(points) == pytest.approx(flow.velocity(points), abs=3e-4)
 

@@ -325,5 +325,5 @@ def test_fastest_relaxation_is_bounded(axes):
     for _ in range(60):
         wave /= np.linalg.norm(wave)
         wave = (slope(shape.coefficients + 1e-5 * wave) - start) / 1e-5
-    bound = run.fastest(points_of(shape))
+    bound = run.fastest(cb.State(run, 0.0, run.droplets))
     assert bound / 2 < np.linalg.norm(wave) < bound

@@ -28,6 +28,11 @@ class ChannelFlow:
         """Viscosity of the fluid outside the droplets."""
         return self.problem.viscosity
 
+    @property
+    def background(self) -> None:
+        """None: the fluid is bounded."""
+        return None
+
     @cached_property
     def empty(self) -> StokesSolution:
         """The flow without droplets."""

@@ -1,6 +1,8 @@
-"""Velocity inside and around a droplet in unbounded flow."""
+"""Velocity inside and around droplets."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,8 +13,7 @@ from cadbem.points import area_vector
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.together import Response
+from cadbem.suspension.together import Response, Surroundings
 
 
 def is_inside(shape: ClosedSpline, points: Array) -> Array:
@@ -27,17 +28,40 @@ def is_inside(shape: ClosedSpline, points: Array) -> Array:
 
 
 def velocity_at(
-    flow: FreeFlow, droplet: Droplet, layers: ClosedLayers, response: Response, points: ArrayLike
+    surroundings: Surroundings,
+    droplets: Sequence[Droplet],
+    layers: Sequence[ClosedLayers],
+    responses: Sequence[Response],
+    points: ArrayLike,
 ) -> Array:
-    """Velocity (dim, M) at points (dim, M) off the interface.
+    """Velocity (dim, M) at points (dim, M) off the interfaces.
 
-    α u = 2h u∞ - S[Δf] / μ + (1 - λ) D[u] with α = 2h outside and 2h λ inside, h = 4π (3D) or 2π.
+    The flow without droplets, what each of them makes (see ``together``) and what walls make of
+    that; inside a droplet all this is λ times the velocity.
     """
-    position, targets = np.ascontiguousarray(points, dtype=float), layers.targets
+    position = np.ascontiguousarray(points, dtype=float)
+
+    def induced(at: Array) -> Array:
+        parts = zip(droplets, layers, responses, strict=True)
+        return np.sum([_made(surroundings, *part, at) for part in parts], axis=0)
+
+    total = surroundings.velocity(position) + induced(position)
+    total = total + surroundings.reflected(induced, position)
+    for d in droplets:
+        total = np.where(is_inside(d.shape, position), total / d.viscosity_ratio, total)
+    return total
+
+
+def _made(
+    surroundings: Surroundings,
+    droplet: Droplet,
+    layers: ClosedLayers,
+    response: Response,
+    points: Array,
+) -> Array:
+    """What a droplet makes: (-S[Δf] / μ + (1 - λ) D[u]) / 2h."""
     basis, ratio = layers.operator.basis, droplet.viscosity_ratio
-    jump = basis.fit(response.jump(targets).reshape(-1, *basis.shape))
+    jump = basis.fit(response.jump(layers.targets).reshape(-1, *basis.shape))
     doubled = None if ratio == 1.0 else (1 - ratio) * response.velocity
     half = 2 * np.pi * (layers.spline.dimension - 1)
-    disturbance = off_surface(layers, -jump / flow.viscosity, doubled, position) / (2 * half)
-    share = np.where(is_inside(droplet.shape, position), ratio, 1.0)
-    return (flow.background.velocity(position) + disturbance) / share
+    return off_surface(layers, -jump / surroundings.viscosity, doubled, points) / (2 * half)

@@ -55,12 +55,14 @@ def measure(
     spline: ClosedSpline,
     velocity: Array,
     jump: Jump,
-    flow: BackgroundFlow,
+    flow: BackgroundFlow | None,
     viscosity: float = 1.0,
     viscosity_ratio: float = 1.0,
 ) -> Measures:
     """All measures of a droplet whose interface has a ``velocity``, coefficients (dim, *shape), and
-    a traction ``jump``, in a background ``flow`` of fluid with a ``viscosity``."""
+    a traction ``jump``, in a background ``flow`` of fluid with a ``viscosity``.
+
+    Without a ``flow``, as in a channel, the dissipation is not known, and not a number."""
     body = _Body(spline)
     longest, shortest, directions = extreme_distances(spline, body.centre)
     semi_axes, axes = body.inertia
@@ -187,7 +189,7 @@ def _powers(
     body: _Body,
     velocity: Array,
     jump: Jump,
-    flow: BackgroundFlow,
+    flow: BackgroundFlow | None,
     viscosity: float,
     viscosity_ratio: float,
 ) -> tuple[float, float]:
@@ -204,6 +206,8 @@ def _powers(
     points = body.points
     force, moving = jump(points), points.grid.values(velocity)
     power = float((force * moving).sum(axis=0) @ body.weights)
+    if flow is None:
+        return power, float("nan")
     work = float((force * flow.velocity(points.position)).sum(axis=0) @ body.weights)
     gradient = flow.gradient(points.position)
     pull = np.einsum("ijn,jn->in", gradient + gradient.swapaxes(0, 1), body.area)

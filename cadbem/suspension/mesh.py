@@ -10,6 +10,7 @@ from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, unit_measure
 
+TURN_LIMIT = 75.0  # degrees between neighbouring normals from which a shape is not resolved
 STABLE = 0.3  # largest share of the way to its neighbours that a point goes in a pseudo-step
 
 
@@ -31,6 +32,18 @@ def turning(points: ClosedPoints) -> Array:
     for beside in neighbours(basis, normal):
         worst = np.minimum(worst, (normal * beside).sum(axis=0))
     return np.degrees(np.arccos(np.clip(worst.ravel(), -1.0, 1.0)))
+
+
+def unresolved(points: ClosedPoints) -> str:
+    """Why a shape cannot be trusted any more, or nothing."""
+    turn = turning(points)
+    if turn.max() <= TURN_LIMIT:
+        return ""
+    place = ", ".join(f"{x:.3g}" for x in points.position[:, int(turn.argmax())])
+    return (
+        f"the surface turns by {turn.max():.0f} degrees between neighbouring points near "
+        f"({place}): a neck or a tip thinner than the points resolve; take more points to go on"
+    )
 
 
 def neighbours(basis: ClosedBasis, values: Array) -> list[Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -10,73 +10,80 @@ import numpy as np
 from numpy.typing import ArrayLike
 from tqdm import tqdm
 
-from cadbem.closed_points import ClosedPoints, collocation_grid
-from cadbem.errors import ShapeError
+from cadbem.closed_points import collocation_grid
+from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.closed import ClosedLayers, closed_operator
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.fields import velocity_at
-from cadbem.suspension.free_flow import FreeFlow
 from cadbem.suspension.measures import Measures, measure
-from cadbem.suspension.mesh import RelaxMesh, stretches, turning
+from cadbem.suspension.mesh import RelaxMesh, stretches, unresolved
 from cadbem.suspension.motion import Motion, affine_velocity
-from cadbem.suspension.stepping import Adaptive, Rate, Step, Stepper
-from cadbem.suspension.together import Response
+from cadbem.suspension.stepping import Adaptive, Step, Stepper
+from cadbem.suspension.together import Response, Surroundings, respond_together
 from cadbem.suspension.volume import CorrectVolume, volume
 
-TURN_LIMIT = 75.0  # degrees between neighbouring normals from which a shape is not resolved
 RATE_MARGIN = 1.15  # of the fastest relaxation: splines make short waves a little stiffer
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 
 
 @dataclass(frozen=True, eq=False)
 class State:
-    """A ``droplet`` at a ``time`` and how it got there: accepted ``steps`` and ``evaluations`` of
-    the velocity so far, the ``length`` of the last step, and ``drift``, the relative error of the
-    volume that it made, before correction.
+    """The ``droplets`` at a ``time`` and how they got there: accepted ``steps`` and
+    ``evaluations`` of the velocities so far, the ``length`` of the last step, and ``drift``, the
+    largest relative error of a volume that it made, before correction.
 
     ``stopped`` is empty, or says why a run ended early.
     """
 
     simulation: Simulation
     time: float
-    droplet: Droplet
+    droplets: tuple[Droplet, ...]
     steps: int = 0
     evaluations: int = 0
     length: float = 0.0
     drift: float = 0.0
     stopped: str = ""
 
-    @cached_property
-    def layers(self) -> ClosedLayers:
-        """The interface's layers."""
-        return self.simulation.layers(self.droplet.shape)
+    @property
+    def droplet(self) -> Droplet:
+        """The first droplet, of most runs the only one."""
+        return self.droplets[0]
 
     @cached_property
+    def layers(self) -> list[ClosedLayers]:
+        """Each interface's layers."""
+        return [self.simulation.layers(d.shape) for d in self.droplets]
+
+    @cached_property
+    def responses(self) -> list[Response]:
+        """The velocity of each interface and the traction jump across it."""
+        return respond_together(self.simulation.flow, self.droplets, self.layers)
+
+    @property
     def response(self) -> Response:
-        """The fluid's velocity on the interface and the traction jump."""
-        return self.simulation.flow.respond(self.droplet, self.layers)
+        """That of the first droplet."""
+        return self.responses[0]
 
     def velocity_at(self, points: ArrayLike) -> Array:
-        """Velocity (dim, M) of the fluids at points (dim, M) inside and outside."""
-        flow = self.simulation.flow
-        return velocity_at(flow, self.droplet, self.layers, self.response, points)
+        """Velocity (dim, M) of the fluids at points (dim, M) inside and outside the droplets."""
+        return velocity_at(self.simulation.flow, self.droplets, self.layers, self.responses, points)
 
     @cached_property
-    def measures(self) -> Measures:
-        """Deformation, inclination, volume, energies, mesh quality and more."""
-        flow, response = self.simulation.flow, self.response
-        return measure(
-            self.droplet.shape, response.velocity, response.jump, flow.background,
-            flow.viscosity, self.droplet.viscosity_ratio,
-        )  # fmt: skip
+    def measures(self) -> list[Measures]:
+        """Deformation, inclination, volume, energies, mesh quality and more, of each droplet."""
+        flow = self.simulation.flow
+        return [
+            measure(d.shape, r.velocity, r.jump, flow.background, flow.viscosity, d.viscosity_ratio)
+            for d, r in zip(self.droplets, self.responses, strict=True)
+        ]
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A state with the slope of its coefficients there."""
+    """A state with the slope of its coefficients (of all droplets, flat) there."""
 
     state: State
     slope: Array
@@ -84,25 +91,39 @@ class _Point:
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """A ``droplet`` in a ``flow``.
+    """One droplet or several in a ``flow``, unbounded or in a channel.
 
     ``stepper`` advances in time; ``motion`` chooses how points move along the surface; ``volume``
     and ``mesh`` repair the shape after each step, or do not (None); ``rule`` integrates over the
     surface.
     """
 
-    flow: FreeFlow
-    droplet: Droplet
+    flow: Surroundings
+    bodies: Droplet | Sequence[Droplet]
     stepper: Stepper = Adaptive()
     motion: Motion = affine_velocity
     volume: CorrectVolume | None = CorrectVolume()
     mesh: RelaxMesh | None = None
     rule: SelfRule = PolarRule(1e-5)
 
+    @cached_property
+    def droplets(self) -> tuple[Droplet, ...]:
+        """The droplets at the beginning."""
+        return (self.bodies,) if isinstance(self.bodies, Droplet) else tuple(self.bodies)
+
+    @property
+    def droplet(self) -> Droplet:
+        """The first droplet."""
+        return self.droplets[0]
+
     def layers(self, shape: ClosedSpline) -> ClosedLayers:
-        """Layers of a shape, integrated as finely as its stretch asks for."""
-        points = collocation_grid(shape.basis).points(shape)
-        low, high = stretches(points)
+        """Layers of a shape, integrated as finely as its stretch asks for.
+
+        Raises ShapeError for a shape that is not finite, or folded.
+        """
+        low, high = stretches(collocation_grid(shape.basis).points(shape))
+        if not np.isfinite(high).all() or not (low > 0).all():
+            raise ShapeError("a droplet's shape has points that are not finite, or coincide")
         rule = self.rule.suited(float((high / low).max()))
         return ClosedLayers(closed_operator(shape.basis, rule), shape)
 
@@ -123,21 +144,17 @@ class Simulation:
                 bar.update(max(point.state.time - bar.n, 0.0))
                 while wanted and wanted[0] < point.state.time * (1 - 1e-12):
                     yield self._between(last, point, wanted.pop(0))
-                if (
-                    every is None
-                    or point.state.stopped
-                    or wanted
-                    and wanted[0] <= (point.state.time * (1 + 1e-12))
-                ):
+                due = bool(wanted) and wanted[0] <= point.state.time * (1 + 1e-12)
+                if every is None or point.state.stopped or due:
                     wanted = wanted[1:]
                     yield point.state
                 last = point
 
     def _march(self, end: float) -> Iterator[_Point]:
-        """Accepted steps up to ``end``, or to the last sound shape."""
-        state = State(self, 0.0, self.droplet)
-        point = _Point(state, self._slope(state.layers))
-        length = self.stepper.first_length(self.fastest(state.layers.targets))
+        """Accepted steps up to ``end``, or to the last sound shapes."""
+        state = State(self, 0.0, self.droplets)
+        point = _Point(state, self._slope(state.droplets, state.layers))
+        length = self.stepper.first_length(self.fastest(state))
         yield point
         while point.state.time < end * (1 - 1e-12):
             length = min(length, end - point.state.time)
@@ -148,25 +165,22 @@ class Simulation:
 
     def _step(self, point: _Point, length: float, smallest: float) -> tuple[_Point, float]:
         """The next accepted point, and the length that the step after it may have."""
-        state, shape = point.state, point.state.droplet.shape
-        largest = self.fastest(state.layers.targets)
+        state, largest = point.state, self.fastest(point.state)
         length, evaluations = min(length, self.stepper.bound(largest)), state.evaluations
+        start = _flat([d.shape.coefficients for d in state.droplets])
         while length > smallest:
             try:
-                step = self.stepper.attempt(
-                    self._rate(shape), shape.coefficients, point.slope, length, largest
-                )
-            except ShapeError:
+                step = self.stepper.attempt(self._rate, start, point.slope, length, largest)
+            except (ShapeError, ConditionError):
                 length /= 4
                 continue
             evaluations += step.evaluations
-            error = float(np.linalg.norm(step.error, axis=0).max()) / self._size
-            accepted, following = self.stepper.next_length(length, error)
+            accepted, following = self.stepper.next_length(length, self._error(step.error))
             if accepted:
                 return self._accept(point, step, length, evaluations), following
             length = following
         reason = (
-            f"the time step fell below {smallest:.1e} at time {state.time:.6g}: the droplet breaks "
+            f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
             "up, or its shape needs more points"
         )
         return replace(point, state=replace(state, stopped=reason)), length
@@ -174,85 +188,94 @@ class Simulation:
     def _accept(self, point: _Point, step: Step, length: float, evaluations: int) -> _Point:
         """The point that a step leads to, repaired; the old one, stopped, if it is not sound."""
         old = point.state
-        shape = replace(old.droplet.shape, coefficients=step.state)
-        drift = volume(shape) / self._volume - 1
-        if self.volume is not None:
-            shape = self.volume.apply(shape, self._volume)
-        if self.mesh is not None:
-            shape = self.mesh.relaxed(shape, old.droplet.viscosity_ratio)
+        moved = self._moved(step.state)
+        drifts = [volume(d.shape) / v - 1 for d, v in zip(moved, self._volumes, strict=True)]
         state = State(
-            self, old.time + length, old.droplet.moved(shape), old.steps + 1, evaluations, length,
-            drift,
+            self, old.time + length, self._repaired(moved, relax=True), old.steps + 1,
+            evaluations, length, max(drifts, key=abs),
         )  # fmt: skip
-        reason = unresolved(state.layers.targets)
-        if reason:
-            return replace(point, state=replace(old, stopped=f"{reason}, at time {state.time:.6g}"))
+        for d in state.droplets:
+            reason = unresolved(collocation_grid(d.shape.basis).points(d.shape))
+            if reason:
+                stopped = f"{reason}, at time {state.time:.6g}"
+                return replace(point, state=replace(old, stopped=stopped))
         if step.slope is None or self.mesh is not None:
             state = replace(state, evaluations=evaluations + 1)
-            return _Point(state, self._slope(state.layers))
+            return _Point(state, self._slope(state.droplets, state.layers))
         return _Point(state, step.slope)
 
-    @cached_property
-    def _volume(self) -> float:
-        return volume(self.droplet.shape)
+    def _repaired(self, droplets: Sequence[Droplet], relax: bool) -> tuple[Droplet, ...]:
+        """Droplets with the right volume, and their points relaxed."""
+        repaired = []
+        for d, target in zip(droplets, self._volumes, strict=True):
+            shape = d.shape if self.volume is None else self.volume.apply(d.shape, target)
+            if relax and self.mesh is not None:
+                shape = self.mesh.relaxed(shape, d.viscosity_ratio)
+            repaired.append(d.moved(shape))
+        return tuple(repaired)
 
     @cached_property
-    def _size(self) -> float:
-        """Side of a cube as large as the droplet."""
-        return self._volume ** (1 / self.droplet.shape.dimension)
+    def _volumes(self) -> list[float]:
+        return [volume(d.shape) for d in self.droplets]
 
-    def _slope(self, layers: ClosedLayers) -> Array:
-        """Rate of change of the coefficients."""
-        droplet = self.droplet.moved(layers.spline)
-        return self.motion(layers, self.flow.respond(droplet, layers).velocity)
+    def _moved(self, flat: Array) -> tuple[Droplet, ...]:
+        """The droplets with the coefficients of a flat array."""
+        shapes = [d.shape.coefficients.shape for d in self.droplets]
+        parts = np.split(flat, np.cumsum([np.prod(s) for s in shapes])[:-1].astype(int))
+        return tuple(
+            d.moved(replace(d.shape, coefficients=part.reshape(shape)))
+            for d, part, shape in zip(self.droplets, parts, shapes, strict=True)
+        )
 
-    def _rate(self, shape: ClosedSpline) -> Rate:
-        """Rates of shapes on the way; ShapeError for one that cannot be evaluated."""
+    def _error(self, flat: Array) -> float:
+        """Largest error of a point, relative to its droplet's size."""
+        shares = [
+            float(np.linalg.norm(d.shape.coefficients, axis=0).max()) / v ** (1 / d.shape.dimension)
+            for d, v in zip(self._moved(flat), self._volumes, strict=True)
+        ]
+        return max(shares)
 
-        def rate(coefficients: Array) -> Array:
-            return self._slope(self.layers(replace(shape, coefficients=coefficients)))
+    def _slope(self, droplets: Sequence[Droplet], layers: Sequence[ClosedLayers]) -> Array:
+        """Rate of change of all coefficients, flat."""
+        responses = respond_together(self.flow, droplets, layers)
+        pairs = zip(layers, responses, strict=True)
+        return _flat([self.motion(of, r.velocity) for of, r in pairs])
 
-        return rate
+    def _rate(self, flat: Array) -> Array:
+        """Rate of change of a flat array of coefficients; ShapeError if it cannot be told."""
+        droplets = self._moved(flat)
+        return self._slope(droplets, [self.layers(d.shape) for d in droplets])
 
-    def fastest(self, points: ClosedPoints) -> float:
+    def fastest(self, state: State) -> float:
         """Rate at which the shortest waves that the points carry relax, at most.
 
         A wave of number k on a flat interface decays at stiffness(k) / (2 μ (1 + λ) k).
         """
-        low, high = stretches(points)
-        across = 1 / low if len(points.position) == 2 else np.hypot(1 / low, 1 / high)
-        wave_number = points.grid.basis.shape[-1] / 2 * float(across.max())
-        stiffness = self.droplet.interface.stiffness(wave_number)
-        ratio = self.droplet.viscosity_ratio
-        return RATE_MARGIN * stiffness / (2 * self.flow.viscosity * (1 + ratio) * wave_number)
+        rates = []
+        for d, of in zip(state.droplets, state.layers, strict=True):
+            low, high = stretches(of.targets)
+            across = 1 / low if d.shape.dimension == 2 else np.hypot(1 / low, 1 / high)
+            wave_number = d.shape.basis.shape[-1] / 2 * float(across.max())
+            viscosities = self.flow.viscosity * (1 + d.viscosity_ratio)
+            rates.append(d.interface.stiffness(wave_number) / (2 * viscosities * wave_number))
+        return RATE_MARGIN * max(rates)
 
     def _between(self, before: _Point, after: _Point, time: float) -> State:
         """The state at a time within a step, by cubic Hermite interpolation."""
         start, end = before.state, after.state
         length = end.time - start.time
         s = (time - start.time) / length
-        x0, x1 = start.droplet.shape.coefficients, end.droplet.shape.coefficients
-        coefficients = (
+        x0, x1 = (_flat([d.shape.coefficients for d in x.droplets]) for x in (start, end))
+        flat = (
             (1 + 2 * s) * (1 - s) ** 2 * x0
             + s**2 * (3 - 2 * s) * x1
             + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
         )
-        shape = replace(start.droplet.shape, coefficients=coefficients)
-        if self.volume is not None:
-            shape = self.volume.apply(shape, self._volume)
-        return replace(end, time=time, droplet=start.droplet.moved(shape))
+        return replace(end, time=time, droplets=self._repaired(self._moved(flat), relax=False))
 
 
-def unresolved(points: ClosedPoints) -> str:
-    """Why a shape cannot be trusted any more, or nothing."""
-    turn = turning(points)
-    if turn.max() <= TURN_LIMIT:
-        return ""
-    place = ", ".join(f"{x:.3g}" for x in points.position[:, int(turn.argmax())])
-    return (
-        f"the surface turns by {turn.max():.0f} degrees between neighbouring points near "
-        f"({place}): a neck or a tip thinner than the points resolve; take more points to go on"
-    )
+def _flat(arrays: Sequence[Array]) -> Array:
+    return np.concatenate([a.ravel() for a in arrays])
 
 
 def _multiples(end: float, every: float | None) -> list[float]:

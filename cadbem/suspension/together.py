@@ -24,6 +24,7 @@ from cadbem.operators.closed import ClosedLayers
 from cadbem.operators.closed_field import off_surface
 from cadbem.spline.basis import Array
 from cadbem.suspension.droplet import Droplet
+from cadbem.suspension.flows import BackgroundFlow
 from cadbem.suspension.interface import Jump
 from cadbem.suspension.interface_equation import InterfaceEquation
 
@@ -38,6 +39,10 @@ class Surroundings(Protocol):
     @property
     def viscosity(self) -> float:
         """Viscosity of the fluid outside the droplets."""
+
+    @property
+    def background(self) -> BackgroundFlow | None:
+        """The flow far away, if the fluid is unbounded."""
 
     @property
     def deflated(self) -> bool:
