@@ -69,6 +69,7 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import sphere as sphere
     from cadbem.spline.shapes import sphere_octants as sphere_octants
     from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
+    from cadbem.suspension.channel_flow import ChannelFlow as ChannelFlow
     from cadbem.suspension.droplet import Droplet as Droplet
     from cadbem.suspension.flows import UserFlow as UserFlow
     from cadbem.suspension.flows import at_rest as at_rest
@@ -165,6 +166,7 @@ _NAMES = {
         "sphere_octants",
         "sphere_with_poles",
     ),
+    "suspension.channel_flow": ("ChannelFlow",),
     "suspension.droplet": ("Droplet",),
     "suspension.flows": (
         "UserFlow",

@@ -235,3 +235,24 @@ def test_mistakes():
         StokesProblem(inside, 1.0, {"body": NoSlip()}, background=Background((1.0, 0.0, 0.0)))
     with pytest.raises(ConditionError, match="no outlet"):
         StokesProblem(body(sphere(inwards=True), 4, 1), 1.0, {"body": Velocity((1.0, 0.0, 0.0))})
+
+
+def test_moving_plate():
+    """A thin plate that moves through fluid at rest is one at rest in the opposite wind; one that
+    moves with the wind does nothing."""
+    wind = np.array([0.3, -1.0, 0.7])
+    boundary = Boundary(tuple(Patch(p, "plate") for p in plate(1.0, 4.0, spans=2, rings=3)))
+
+    def solved(velocity, background):
+        conditions = {"plate": Velocity(tuple(velocity))}
+        return StokesProblem(
+            boundary, 1.0, conditions, Quadrature(1e-6), Background(tuple(background))
+        ).solve()
+
+    moving, held = solved(wind, 0 * wind), solved(0 * wind, -wind)
+    assert moving.traction.coefficients == pytest.approx(held.traction.coefficients, abs=1e-10)
+    points = np.array([[0.3, 1.0, -0.5], [0.1, 0.4, 3.0], [0.5, -0.02, 1.0]])
+    assert moving.velocity_at(points) == pytest.approx(
+        held.velocity_at(points) + wind[:, None], abs=1e-10
+    )
+    assert np.abs(solved(wind, wind).traction.coefficients).max() < 1e-10

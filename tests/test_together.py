@@ -1,6 +1,8 @@
 """Droplets that feel each other and walls."""
 
+import json
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,6 +14,8 @@ from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box
 from cadbem.suspension.channel_flow import ChannelFlow
 from cadbem.suspension.together import respond_together
+
+REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,3 +85,31 @@ def test_droplet_in_a_box_with_linear_flow(dimension):
     shape = placed(dimension, 12, 0.2 * np.ones(dimension), 1.0)
     for ratio in (1.0, 5.0):
         assert errors(flow, ChannelFlow(problem), [shape], [ratio]) < 1e-3
+
+
+def test_droplet_between_plates():
+    """Plates at z = ±1.25 that move with the shear flow u = z, Ca = 0.2, λ = 1, radius 1 (Fig. 4.8):
+    D at τ = 0.5 and 1 from a spectral computation, here with plates of 12 radii from 288 points,
+    to 2 %."""
+    series = REFERENCE["drop_3d_between_plates_Ca0.2_lambda1_RW0.8"]
+    names = {"low": -1.25, "high": 1.25}
+    patches = [
+        Patch(surface.transformed(np.eye(3), np.array([0.0, 0.0, z])), name)
+        for name, z in names.items()
+        for surface in cb.plate(4.0, 12.0, degree=2, spans=4, rings=2)
+    ]
+    problem = cb.StokesProblem(
+        Boundary(tuple(patches)),
+        1.0,
+        {name: cb.Velocity((z, 0.0, 0.0)) for name, z in names.items()},
+        cb.Quadrature(1e-4),
+        cb.Background(lambda x: np.array([x[2], 0 * x[0], 0 * x[0]])),
+    )
+    assert np.abs(ChannelFlow(problem).empty.traction.coefficients).max() < 1e-9
+    drop = cb.Droplet(cb.spline_sphere(points=128), cb.capillary_tension(0.2))
+    run = cb.Simulation(ChannelFlow(problem), drop, stepper=cb.Adaptive(3e-3))
+    for state in run.run(1.0, every=0.5):
+        exact = np.interp(state.time, [0.0, *series["tau"]], [0.0, *series["D"]])
+        assert cb.taylor_deformation(state.droplet.shape) == pytest.approx(
+            exact, rel=0.02, abs=1e-4
+        )

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.points import moment
+from cadbem.problems.conditions import Background
 from cadbem.problems.mixed import patches_named, represent
 from cadbem.quadrature import Rules
 from cadbem.space import Field, Space
@@ -23,11 +24,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class StokesSolution:
-    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields."""
+    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, on top of
+    a ``background`` flow."""
 
     problem: StokesProblem
     velocity: Field
     traction: Field
+    background: Background
 
     @property
     def space(self) -> Space:
@@ -43,7 +46,7 @@ class StokesSolution:
         kernel, _ = stokes_kernels(self.space.boundary.dimension)
         inside = 2 * kernel.free_term
         factor = -1 / (inside * self.problem.viscosity), 1 / inside
-        far_away = self.problem.background.velocity_at
+        far_away = self.background.velocity_at
         return self._at(kernel, points, quadrature, factor, self.velocity.on_patch, far_away)
 
     def pressure_at(self, points: ArrayLike, quadrature: Rules | None = None) -> Array:
@@ -54,7 +57,7 @@ class StokesSolution:
         velocity, kernel = stokes_kernels(self.space.boundary.dimension)
         inside, on_patch = 2 * velocity.free_term, self._pressure_row
         factor = 1 / inside, self.problem.viscosity / inside
-        far_away = self.problem.background.pressure_at
+        far_away = self.background.pressure_at
         return self._at(kernel, points, quadrature, factor, on_patch, far_away)[0]
 
     def _at(
@@ -67,7 +70,7 @@ class StokesSolution:
         far_away: Callable[[Array], Array],
     ) -> Array:
         single = factor[0] * self.traction.coefficients
-        double = factor[1] * self.velocity.coefficients
+        double = factor[1] * np.where(self.problem.thin, 0.0, self.velocity.coefficients)
         quadrature = quadrature or self.problem.quadrature
         return represent(
             kernel, self.space, points, quadrature, single, double, on_patch, far_away

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
@@ -83,6 +84,19 @@ class StokesProblem:
         ]
 
     @cached_property
+    def thin(self) -> NDArray[np.bool_]:
+        """Which functions (F,) belong to open surfaces: plates with fluid on both sides.
+
+        The double layers of both sides cancel there, and the traction is that of both together.
+        """
+        thin = np.zeros(self.space.count, dtype=bool)
+        for surface in self.surfaces:
+            for i in surface.patches:
+                open_ = not (surface.holds_fluid or surface.is_body)
+                thin[self.space.functions(i)] = open_
+        return thin
+
+    @cached_property
     def openings(self) -> dict[str, Port]:
         """The flat openings, by name, of inflow and pressure conditions."""
         return {
@@ -119,7 +133,8 @@ class StokesProblem:
         """
         known = self._known(self.system)
         background = self.background.velocity_at(self.space.collocation.position)
-        return self._solution(known, background, self._constraints(*known))
+        solution = self._solution(known, background, self._constraints(*known))
+        return replace(solution, background=self.background)
 
     def reflection(self, induced: Array) -> StokesSolution:
         """What the boundary adds to a flow that bodies make, with all given data zero.
@@ -144,10 +159,13 @@ class StokesProblem:
         self, known: tuple[Array, Array], background: Array, constraints: Array | float
     ) -> StokesSolution:
         """The flow with known data and a background velocity (dim, T) at collocation points."""
-        source = 2 * self.system.free_term * background
-        unknowns = self.system.unknowns(*known, source, constraints)
+        twice = 2 * self.system.free_term
+        plates = np.where(self.thin, known[0], 0.0)
+        source = twice * (background - self.space.values(plates))
+        unknowns = self.system.unknowns(known[0] - plates, known[1], source, constraints)
         velocity, traction = self.system.complete(*known, unknowns)
-        return StokesSolution(self, Field(self.space, velocity), Field(self.space, traction))
+        fields = Field(self.space, velocity), Field(self.space, traction)
+        return StokesSolution(self, *fields, background=Background())
 
     def _border(self, splits: list[Split]) -> Border:
         """What fixes f = n on each of ``given_bodies``, a null vector of the single layer.
