@@ -88,15 +88,15 @@ def test_droplet_in_a_box_with_linear_flow(dimension):
 
 
 def test_droplet_between_plates():
-    """Plates at z = ±1.25 that move with the shear flow u = z, Ca = 0.2, λ = 1, radius 1 (Fig. 4.8):
-    D at τ = 0.5 and 1 from a spectral computation, here with plates of 12 radii from 288 points,
-    to 2 %."""
+    """Plates at z = ±1.25 that move with the shear flow u = z, Ca = 0.2, λ = 1, radius 1 (thesis
+    Fig. 4.8): D at τ = 0.5 from a spectral computation, here with plates of 16 radii, to 2 %; it
+    is 0.148 without plates."""
     series = REFERENCE["drop_3d_between_plates_Ca0.2_lambda1_RW0.8"]
     names = {"low": -1.25, "high": 1.25}
     patches = [
         Patch(surface.transformed(np.eye(3), np.array([0.0, 0.0, z])), name)
         for name, z in names.items()
-        for surface in cb.plate(4.0, 12.0, degree=2, spans=4, rings=2)
+        for surface in cb.plate(4.0, 16.0, degree=2, spans=4, rings=3)
     ]
     problem = cb.StokesProblem(
         Boundary(tuple(patches)),

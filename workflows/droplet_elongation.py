@@ -52,10 +52,7 @@ def report(run: cb.History, capillary: float, ratio: float) -> None:
     """Shape and mesh at four times."""
     rows = []
     for state in run.states[::16]:
-        found = cb.measure(
-            state.droplet.shape, state.response.velocity, state.response.jump, cb.shear(),
-            viscosity_ratio=ratio,
-        )  # fmt: skip
+        found = state.measures[0]
         tilt = f"{found.inclination:.2f}" if found.deformation > 1e-3 else "-"
         rows.append(
             (f"{state.time:g}", f"{found.deformation:.5f}", f"{found.longest:.4f}",

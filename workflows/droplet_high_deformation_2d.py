@@ -23,7 +23,7 @@ def simulate(points: int, end: float, degree: int, capillary: float, **options) 
 
 def sharpest_turn(state: cb.State) -> float:
     """Largest angle in degrees between the normals of neighbouring collocation points."""
-    return float(turning(state.layers.targets).max())
+    return float(turning(state.layers[0].targets).max())
 
 
 def main(
@@ -49,8 +49,20 @@ def main(
     }
     *_, true = runs.values()
 
-    # Taylor's D on the way, its largest error, and how much neighbouring normals differ
-    picked = [int(np.argmin(abs(true.times - end * share))) for share in (0.2, 0.4, 1.0)]
+    print(f"Ca = {capillary} in the thesis's reading, {capillary / 2} true; λ = 1")
+    report(runs, true)
+    if output:
+        folder = cb.fresh_folder(output)
+        draw_plots(folder / "deformation.png", plots(runs, true))
+        shapes = {name: [run.last.droplet.shape] for name, run in runs.items() if run is not true}
+        cb.draw_outlines(folder / "shapes.png", shapes)
+        print(f"the pictures are in {folder}")
+    return runs
+
+
+def report(runs: dict[str, cb.History], true: cb.History) -> None:
+    """D on the way, its largest error, and how much neighbouring normals differ at the end."""
+    picked = [int(np.argmin(abs(true.times - true.times[-1] * share))) for share in (0.2, 0.4, 1.0)]
     rows = []
     for name, run in runs.items():
         count = len(run.times)  # fewer when a run ends early
@@ -62,16 +74,7 @@ def main(
         )  # fmt: skip
     head = ("run", *[f"D({true.times[i]:g})" for i in picked], "largest error", "turn (deg)",
             "evaluations", "CPU s")  # fmt: skip
-    print(f"Ca = {capillary} in the thesis's reading, {capillary / 2} true; λ = 1")
     print(cb.text_table(head, rows))
-
-    if output:
-        folder = cb.fresh_folder(output)
-        draw_plots(folder / "deformation.png", plots(runs, true))
-        shapes = {name: [run.last.droplet.shape] for name, run in runs.items() if run is not true}
-        cb.draw_outlines(folder / "shapes.png", shapes)
-        print(f"the pictures are in {folder}")
-    return runs
 
 
 def plots(runs: dict[str, cb.History], true: cb.History) -> list[Plot]:

@@ -68,10 +68,7 @@ def main(
         runs["thesis's way, relaxed",] = simulate(*case, points, mesh=cb.RelaxMesh(), **thesis)
         report_shape(case, runs)
         if folder:
-            draw_plots(
-                folder / "deformation.png", [shape_plot(case, runs, t) for t in (0, 0.6 * end)]
-            )
-            draw_shapes(folder, runs)
+            draw_shapes(folder, case, runs)
         made |= {("shape", *key): run for key, run in runs.items()}
 
     # Fig. 4.1 and 4.2: what happens to the volume at Ca = 0.2
@@ -98,10 +95,7 @@ def report_shape(case: tuple[float, float], runs: Runs) -> None:
     rows = []
     for (name,), run in runs.items():
         state = run.last
-        found = cb.measure(
-            state.droplet.shape, state.response.velocity, state.response.jump, cb.shear(),
-            viscosity_ratio=case[1],
-        )  # fmt: skip
+        found = state.measures[0]
         rows.append(
             (name, f"{state.time:g}", f"{found.deformation:.5f}", f"{found.inclination:.2f}",
              f"{found.area / run.area[0] - 1:+.4f}", f"{found.smallest_angle:.0f}",
@@ -137,7 +131,9 @@ def shape_plot(case: tuple[float, float], runs: Runs, after: float) -> Plot:
     return Plot("τ", "D", curves)
 
 
-def draw_shapes(folder: Path, runs: Runs) -> None:
+def draw_shapes(folder: Path, case: tuple[float, float], runs: Runs) -> None:
+    end = runs["ours",].last.time
+    draw_plots(folder / "deformation.png", [shape_plot(case, runs, t) for t in (0, 0.6 * end)])
     for (name,), run in runs.items():
         picture = name.replace("'s way", "").replace(", ", "_")
         cb.draw_droplets(folder / f"shape_{picture}.png", [run.last.droplet.shape])

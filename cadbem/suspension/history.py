@@ -1,4 +1,4 @@
-"""A run kept: its states, and what became of the droplet over time."""
+"""A run kept: its states, and what became of its first droplet over time."""
 
 from __future__ import annotations
 
@@ -19,7 +19,10 @@ from cadbem.suspension.volume import volume
 
 @dataclass(frozen=True, eq=False)
 class History:
-    """The ``states`` of a run in the order of time, and the CPU ``seconds`` that they took."""
+    """The ``states`` of a run in the order of time, and the CPU ``seconds`` that they took.
+
+    Quantities over time are those of the first droplet.
+    """
 
     states: tuple[State, ...]
     seconds: float = 0.0
