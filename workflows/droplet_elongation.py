@@ -30,7 +30,7 @@ def main(
 ) -> cb.History:
     runs = {
         count: simulate(capillary, viscosity_ratio, count, tolerance, end)
-        for count in (coarse, points)
+        for count in sorted({coarse, points})
     }
     for run in runs.values():
         report(run, capillary, viscosity_ratio)
