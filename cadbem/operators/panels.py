@@ -103,6 +103,7 @@ class Panels:
         return np.clip(share, 0.0, 1.0)
 
 
+@lru_cache(maxsize=1024)
 def split_patch(surface: Nurbs) -> Panels:
     """Panels of a patch: its elements, halved until none turns by more than 50 degrees."""
     if len(surface.degrees) == 1:

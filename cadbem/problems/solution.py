@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -31,6 +31,12 @@ class StokesSolution:
     velocity: Field
     traction: Field
     background: Background
+
+    def __add__(self, other: StokesSolution) -> StokesSolution:
+        """This flow and another one's boundary fields, on this one's background."""
+        velocity = Field(self.space, self.velocity.coefficients + other.velocity.coefficients)
+        traction = Field(self.space, self.traction.coefficients + other.traction.coefficients)
+        return replace(self, velocity=velocity, traction=traction)
 
     @property
     def space(self) -> Space:

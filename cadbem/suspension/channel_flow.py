@@ -38,14 +38,17 @@ class ChannelFlow:
         """The flow without droplets."""
         return self.problem.solve()
 
-    def velocity(self, points: Array) -> Array:
-        """Velocity (dim, M) at points (dim, M) without any droplet."""
-        return self.empty.velocity_at(points)
+    def velocity(self, points: Array, induced: Induced) -> Array:
+        """Velocity (dim, M) at points (dim, M) of the empty channel, and what its boundary adds to
+        the one that droplets make."""
+        return (self.empty + self._reflection(induced)).velocity_at(points)
 
-    def reflected(self, induced: Induced, points: Array) -> Array:
-        """Velocity (dim, M) that the boundary adds to one that droplets make."""
-        at_walls = induced(self.problem.space.collocation.position)
-        return self.problem.reflection(at_walls).velocity_at(points)
+    def reflected(self, points: Array, induced: Induced) -> Array:
+        """What the boundary adds alone."""
+        return self._reflection(induced).velocity_at(points)
+
+    def _reflection(self, induced: Induced) -> StokesSolution:
+        return self.problem.reflection(induced(self.problem.space.collocation.position))
 
     def respond(
         self, droplet: Droplet, layers: ClosedLayers, guess: Array | None = None

@@ -45,8 +45,7 @@ def velocity_at(
         parts = zip(droplets, layers, responses, strict=True)
         return np.sum([_made(surroundings, *part, at) for part in parts], axis=0)
 
-    total = surroundings.velocity(position) + induced(position)
-    total = total + surroundings.reflected(induced, position)
+    total = surroundings.velocity(position, induced) + induced(position)
     for d in droplets:
         total = np.where(is_inside(d.shape, position), total / d.viscosity_ratio, total)
     return total

@@ -27,11 +27,11 @@ class FreeFlow:
         if not self.viscosity > 0:
             raise ConditionError(f"viscosity {self.viscosity}: give a positive number")
 
-    def velocity(self, points: Array) -> Array:
+    def velocity(self, points: Array, induced: Induced) -> Array:
         """Velocity (dim, M) at points (dim, M) without any droplet."""
         return self.background.velocity(points)
 
-    def reflected(self, induced: Induced, points: Array) -> float:
+    def reflected(self, points: Array, induced: Induced) -> float:
         """Nothing: there are no walls."""
         return 0.0
 

@@ -48,11 +48,12 @@ class Surroundings(Protocol):
     def deflated(self) -> bool:
         """Whether to deflate the equations."""
 
-    def velocity(self, points: Array) -> Array:
-        """Velocity (dim, M) at points (dim, M) without any droplet."""
+    def velocity(self, points: Array, induced: Induced) -> Array:
+        """Velocity (dim, M) at points (dim, M): the flow without droplets, and what walls add to
+        the one that droplets make, ``induced(points)``."""
 
-    def reflected(self, induced: Induced, points: Array) -> Array | float:
-        """Velocity (dim, M) that walls add to one that droplets make, ``induced(points)``."""
+    def reflected(self, points: Array, induced: Induced) -> Array | float:
+        """What walls add alone."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,9 +127,12 @@ class _Together:
         return np.cumsum([t.shape[1] for t in self._targets])[:-1].tolist()
 
     def _incident(
-        self, single: Sequence[Array | None], double: Sequence[Array | None]
+        self,
+        single: Sequence[Array | None],
+        double: Sequence[Array | None],
+        walls: Callable[[Array, Induced], Array | float],
     ) -> list[Array]:
-        """What each droplet feels of the others and of walls: [(dim, N), ...].
+        """What each droplet feels of the others and of ``walls``: [(dim, N), ...].
 
         Of the layers ∫ G q dS + ∫ u·T·n dS over 2h, q and u given by their coefficients.
         """
@@ -143,7 +147,7 @@ class _Together:
             return np.sum([made(j, points) for j in range(len(self.layers))], axis=0)
 
         everywhere = np.concatenate(self._targets, axis=1)
-        total = np.zeros_like(everywhere) + self.surroundings.reflected(induced, everywhere)
+        total = np.zeros_like(everywhere) + walls(everywhere, induced)
         felt = np.split(total, self._ends, axis=1)
         for i, points in enumerate(self._targets):
             for j in range(len(self.layers)):
@@ -174,12 +178,10 @@ class _Together:
             level = (at_targets * of.targets.normal).sum(axis=0)
             own.append(of.single(jump(of.points), level) / viscosity)
             forces.append(basis.fit(at_targets.reshape(-1, *basis.shape)) / -viscosity)
-        felt = self._incident(forces, [None] * len(forces))
+        felt = self._incident(forces, [None] * len(forces), self.surroundings.velocity)
         rights = []
-        for e, single, incident, points in zip(
-            self._equations, own, felt, self._targets, strict=True
-        ):
-            flow = 2 * (self.surroundings.velocity(points) + incident) - single / e.half
+        for e, single, incident in zip(self._equations, own, felt, strict=True):
+            flow = 2 * incident - single / e.half
             rights.append(e.prepared(flow / (1 + e.viscosity_ratio)))
         return rights
 
@@ -189,7 +191,7 @@ class _Together:
             None if e.beta == 0.0 else (1 - e.viscosity_ratio) * e.recover(w)
             for e, w in zip(self._equations, values, strict=True)
         ]
-        felt = self._incident([None] * len(doubles), doubles)
+        felt = self._incident([None] * len(doubles), doubles, self.surroundings.reflected)
         return [
             e.apply(w) - e.prepared(2 / (1 + e.viscosity_ratio) * incident)
             for e, w, incident in zip(self._equations, values, felt, strict=True)
