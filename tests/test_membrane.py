@@ -223,7 +223,7 @@ def settle(spline, rigidity, end, tolerance, motion):
     assert not state.stopped
     shape = state.droplet.shape
     longest = inertia_axes(shape)[1][0]
-    points = state.layers.targets
+    points = state.layers[0].targets
     velocity = points.grid.values(state.response.velocity)
     normal = np.abs((velocity * points.normal).sum(axis=0)).max()
     return shape, np.degrees(np.arctan(longest[-1] / longest[0])), normal

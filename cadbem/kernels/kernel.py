@@ -13,6 +13,22 @@ Index = NDArray[np.int64]
 Layout = tuple[tuple[int, ...], ...]
 
 
+@dataclass(frozen=True)
+class Sums:
+    """Sums of a kernel over many sources at once, added to ``out``: see ``stokes_sums``.
+
+    ``single(targets, position, q, out)`` and ``double(targets, u0, position, a, u, out)``, and
+    their variants with sources for each target.  ``free_term`` is positive: with n outwards
+    the double layer of a constant is -free_term times it, at smooth points.
+    """
+
+    single: Callable[..., None]
+    single_near: Callable[..., None]
+    double: Callable[..., None]
+    double_near: Callable[..., None]
+    free_term: float
+
+
 @dataclass(frozen=True, eq=False)
 class Kernel:
     """Single and double layer of one equation in one dimension.
@@ -25,6 +41,7 @@ class Kernel:
     (dim, T) with the sources starts[t] ... stops[t] - 1 of ``position`` and ``normal``
     (dim, N), and writes table (entries, ·) from column columns[t] on.
 
+    ``sums``, if there are any, do the same as ``fill`` and a product with densities, faster.
     ``free_term`` is what the double layer makes of a constant density at a smooth point of a
     closed boundary, normals into the domain; inside it is twice that, outside zero.  Kernels of
     derivatives (pressure, gradient) make nothing of a constant.  An ``invariant`` kernel depends
@@ -39,6 +56,7 @@ class Kernel:
     fill: Callable[..., None]
     free_term: float = 0.0
     invariant: bool = True
+    sums: Sums | None = None
 
     @property
     def rows(self) -> int:

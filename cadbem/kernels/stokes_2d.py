@@ -21,6 +21,7 @@ from math import log, pi
 from numba import njit
 
 from cadbem.kernels.kernel import Kernel
+from cadbem.kernels.stokes_sums import SUMS_2D
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
@@ -71,6 +72,7 @@ STOKES_2D = Kernel(
     double=((3, 4), (4, 5)),
     fill=_velocity,
     free_term=2 * pi,
+    sums=SUMS_2D,
 )
 
 STOKES_PRESSURE_2D = Kernel(

@@ -19,6 +19,7 @@ import numpy as np
 from numba import njit
 
 from cadbem.kernels.kernel import Kernel
+from cadbem.kernels.stokes_sums import SUMS_3D
 
 TILE = 256  # sources at a time, so that what pairs share stays in the nearest cache
 
@@ -90,6 +91,7 @@ STOKES_3D = Kernel(
     double=((6, 7, 8), (7, 9, 10), (8, 10, 11)),
     fill=_velocity,
     free_term=4 * pi,
+    sums=SUMS_3D,
 )
 
 STOKES_PRESSURE_3D = Kernel(

@@ -10,11 +10,11 @@ sources for each target, arrays (dim, K, T).
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from math import log, pi, sqrt
 
 from numba import njit
+
+from cadbem.kernels.kernel import Sums
 
 
 @njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
@@ -172,24 +172,10 @@ def _double_near_2d(targets, offset, position, area, density, out):
             out[1, t] += vy
 
 
-@dataclass(frozen=True)
-class StokesSums:
-    """Both sums in one dimension, and ∫ T·n over a closed surface at a point of it.
-
-    ``single(targets, position, q, out)`` and ``double(targets, u0, position, a, u, out)``, and
-    their variants with sources for each target.  ``free_term`` is positive: with n outwards
-    ∫ T·n is -free_term times the identity.
-    """
-
-    single: Callable[..., None]
-    single_near: Callable[..., None]
-    double: Callable[..., None]
-    double_near: Callable[..., None]
-    free_term: float
+SUMS_2D = Sums(_single_2d, _single_near_2d, _double_2d, _double_near_2d, 2 * pi)
+SUMS_3D = Sums(_single_3d, _single_near_3d, _double_3d, _double_near_3d, 4 * pi)
 
 
-def stokes_sums(dimension: int) -> StokesSums:
+def stokes_sums(dimension: int) -> Sums:
     """The sums in 2 or 3 dimensions."""
-    if dimension == 2:
-        return StokesSums(_single_2d, _single_near_2d, _double_2d, _double_near_2d, 2 * pi)
-    return StokesSums(_single_3d, _single_near_3d, _double_3d, _double_near_3d, 4 * pi)
+    return SUMS_2D if dimension == 2 else SUMS_3D

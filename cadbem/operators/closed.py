@@ -17,8 +17,8 @@ import numpy as np
 from numba import njit
 
 from cadbem.closed_points import ClosedGrid, ClosedPoints, collocation_grid
-from cadbem.kernels.kernel import Index
-from cadbem.kernels.stokes_sums import StokesSums, stokes_sums
+from cadbem.kernels.kernel import Index, Sums
+from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.quadrature.closed import (
     ClosedRule,
     NearNodes,
@@ -242,7 +242,7 @@ class ClosedLayers:
         return self.operator.weights * self.points.jacobian
 
     @cached_property
-    def _sums(self) -> StokesSums:
+    def _sums(self) -> Sums:
         return stokes_sums(self.spline.dimension)
 
     @cached_property

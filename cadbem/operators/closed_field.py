@@ -14,7 +14,8 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cadbem.closed_points import collocation_grid
-from cadbem.kernels.stokes_sums import StokesSums, stokes_sums
+from cadbem.kernels.kernel import Sums
+from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.closed import ClosedLayers, gather
 from cadbem.points import area_vector, dual_tangents
 from cadbem.quadrature.closed import PolarRule
@@ -112,7 +113,7 @@ class _Field:
     double: Array | None
 
     @cached_property
-    def _sums(self) -> StokesSums:
+    def _sums(self) -> Sums:
         return stokes_sums(self.layers.spline.dimension)
 
     @cached_property

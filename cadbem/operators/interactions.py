@@ -8,23 +8,19 @@ goes to a sink: matrix entries, or potentials of given densities.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
-from cadbem.kernels.kernel import Kernel, Layout
+from cadbem.kernels.kernel import Index, Kernel
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
+from cadbem.operators.sinks import Sink
 from cadbem.quadrature import Rules, near
 from cadbem.spline.basis import Array
 
 TARGET_BLOCK = 64  # targets a table, to stay in cache
 STRIP = 4  # panels side by side in one matrix product
 NODE_CAPACITY = 1 << 16  # nodes a table of near pairs
-
-Index = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,68 +48,7 @@ class Targets:
 
     def part(self, chosen: slice) -> Targets:
         """Some of the targets."""
-        return Targets(
-            self.position[:, chosen], self.owner[chosen], self.parameters[:, chosen]
-        )
-
-
-class Sink(Protocol):
-    """Where contributions of a patch go."""
-
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        """Add table (entries, R, nodes) times basis (nodes, functions of the net's block)."""
-
-    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        """Add values (pairs, entries, p + 1, q + 1) for the functions from (first_u, first_v)."""
-
-
-@dataclass(frozen=True, eq=False)
-class MatrixSink:
-    """Adds to ``entries`` (entries, T, n_u, n_v), the kernel's matrix of one patch."""
-
-    entries: Array
-
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        shape = (*table.shape[:2], part_u.stop - part_u.start, part_v.stop - part_v.start)
-        self.entries[:, rows, part_u, part_v] += (table @ basis).reshape(shape)
-
-    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        for k, (t, u, v) in enumerate(zip(rows, first_u, first_v, strict=True)):
-            part = (slice(u, u + values.shape[2]), slice(v, v + values.shape[3]))
-            self.entries[(slice(None), t, *part)] += values[k]
-
-
-@dataclass(frozen=True, eq=False)
-class PotentialSink:
-    """Adds potentials of densities (components, n_u, n_v) to ``result`` (rows, T)."""
-
-    result: Array
-    layouts: Sequence[Layout]
-    densities: Sequence[Array]
-
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        for layout, density in zip(self.layouts, self.densities, strict=True):
-            local = density[:, part_u, part_v].reshape(len(density), -1)
-            first = min(map(min, layout))
-            values = table[first : max(map(max, layout)) + 1] @ (basis @ local.T)
-            for i, row in enumerate(layout):
-                self.result[i, rows] += sum(values[e - first, :, j] for j, e in enumerate(row))
-
-    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        p, q = values.shape[2], values.shape[3]
-        u = (first_u[:, None] + np.arange(p))[:, :, None]
-        v = (first_v[:, None] + np.arange(q))[:, None, :]
-        for layout, density in zip(self.layouts, self.densities, strict=True):
-            local = density[:, u, v]
-            for i, row in enumerate(layout):
-                for j, entry in enumerate(row):
-                    np.add.at(self.result[i], rows, (values[:, entry] * local[j]).sum(axis=(1, 2)))
+        return Targets(self.position[:, chosen], self.owner[chosen], self.parameters[:, chosen])
 
 
 def interact(
@@ -125,28 +60,71 @@ def interact(
     sink: Sink,
 ) -> None:
     """Add everything that ``patch`` does to ``targets`` to ``sink``."""
-    degree = max(panels.surface.degrees)
-    orders = quadrature.orders(degree)
-    reach = quadrature.reach(orders[0], degree) * panels.lengths
-    close_target, close_panel = panels.close_pairs(targets.position, reach)
-    _far(kernel, panels, tensor_nodes(panels, orders[0]), targets, close_target, close_panel, sink)
-    if len(close_target) == 0:
-        return
-    closest = _closest(panels, patch, targets, close_target, close_panel)
-    ratio = closest[2] / panels.lengths[close_panel]
-    level = np.zeros(len(ratio), dtype=np.int64)
-    for order in orders:
-        level += ratio < quadrature.reach(order, degree)
-    for k, order in enumerate(orders):
-        chosen = level == k
-        if chosen.any():
-            nodes = tensor_nodes(panels, order)
-            _middle(kernel, panels, nodes, targets, close_target[chosen], close_panel[chosen], sink)
-    chosen = level == len(orders)
-    _near(
-        kernel, panels, targets, close_target[chosen], close_panel[chosen],
-        closest[:, chosen], quadrature, sink,
-    )  # fmt: skip
+    close = _Close.find(panels, patch, targets, quadrature)
+    nodes = tensor_nodes(panels, close.orders[0])
+    _far(kernel, panels, nodes, targets, close.target, close.panel, sink)
+    for k, order in enumerate(close.orders):
+        _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
+    _near(kernel, panels, targets, close, quadrature, sink)
+
+
+def mend(
+    kernel: Kernel,
+    panels: Panels,
+    patch: int,
+    targets: Targets,
+    quadrature: Rules,
+    sink: Sink,
+    against: Sink,
+) -> None:
+    """Replace the lowest tensor rule where it is not good enough.
+
+    What it gives for pairs that are too close goes to ``against``, a sink that takes away; the
+    right contributions go to ``sink``.
+    """
+    close = _Close.find(panels, patch, targets, quadrature)
+    for k, order in enumerate(close.orders):
+        if k:
+            lowest = tensor_nodes(panels, close.orders[0])
+            _middle(kernel, panels, lowest, targets, *close.pairs(k), against)
+            _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
+    last = len(close.orders)
+    lowest = tensor_nodes(panels, close.orders[0])
+    _middle(kernel, panels, lowest, targets, *close.pairs(last), against)
+    _near(kernel, panels, targets, close, quadrature, sink)
+
+
+@dataclass(frozen=True, eq=False)
+class _Close:
+    """Pairs of targets and panels that may be too close for the lowest of the ``orders``.
+
+    ``closest`` (3, pairs): u, v within the panel, distance; ``level`` (pairs,): the first order
+    that is good enough, their number if none is.
+    """
+
+    orders: tuple[int, ...]
+    target: Index
+    panel: Index
+    closest: Array
+    level: Index
+
+    @classmethod
+    def find(cls, panels: Panels, patch: int, targets: Targets, quadrature: Rules) -> _Close:
+        """The close pairs of a patch."""
+        degree = max(panels.surface.degrees)
+        orders = quadrature.orders(degree)
+        reach = quadrature.reach(orders[0], degree) * panels.lengths
+        target, panel = panels.close_pairs(targets.position, reach)
+        closest = _closest(panels, patch, targets, target, panel)
+        ratio = closest[2] / panels.lengths[panel]
+        level = np.zeros(len(ratio), dtype=np.int64)
+        for order in orders:
+            level += ratio < quadrature.reach(order, degree)
+        return cls(orders, target, panel, closest, level)
+
+    def pairs(self, level: int) -> tuple[Index, Index]:
+        """Targets and panels of one level."""
+        return self.target[self.level == level], self.panel[self.level == level]
 
 
 def _far(
@@ -213,6 +191,8 @@ def _middle(
     close_panel: Index,
     sink: Sink,
 ) -> None:
+    if len(close_panel) == 0:
+        return
     order = np.argsort(close_panel, kind="stable")
     chosen, starts = np.unique(close_panel[order], return_index=True)
     for panel, rows in zip(chosen, np.split(close_target[order], starts[1:]), strict=True):
@@ -229,12 +209,12 @@ def _near(
     kernel: Kernel,
     panels: Panels,
     targets: Targets,
-    close_target: Index,
-    close_panel: Index,
-    closest: Array,
+    close: _Close,
     quadrature: Rules,
     sink: Sink,
 ) -> None:
+    close_target, close_panel = close.pairs(len(close.orders))
+    closest = close.closest[:, close.level == len(close.orders)]
     p, q = panels.surface.degrees
     dim, capacity = targets.position.shape[0], NODE_CAPACITY
     position, normal = np.empty((dim, capacity)), np.empty((dim, capacity))
@@ -264,9 +244,7 @@ def _near(
         done += count
 
 
-def _add_moments(
-    panels: Panels, rows: Index, panel: Index, moments: Array, sink: Sink
-) -> None:
+def _add_moments(panels: Panels, rows: Index, panel: Index, moments: Array, sink: Sink) -> None:
     """From Bernstein moments to the patch's rational functions."""
     a, b = np.divmod(panel, panels.shape[1])
     first_u, first_v = panels.first[0][a], panels.first[1][b]

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import product
@@ -12,9 +12,10 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from cadbem.kernels.kernel import Kernel, Layout
-from cadbem.operators.interactions import MatrixSink, PotentialSink, Targets, interact
-from cadbem.operators.panels import Panels, split_patch
+from cadbem.kernels.kernel import Kernel, Layout, Sums
+from cadbem.operators.interactions import Targets, interact, mend
+from cadbem.operators.panels import Panels, split_patch, tensor_nodes
+from cadbem.operators.sinks import MatrixSink, PotentialSink
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
@@ -64,9 +65,7 @@ def collocation_targets(space: Space) -> Targets:
     return Targets(space.collocation.position, owner, np.concatenate(space.parameters, axis=1))
 
 
-def assemble_layers(
-    kernel: Kernel, space: Space, targets: Targets, quadrature: Rules
-) -> Layers:
+def assemble_layers(kernel: Kernel, space: Space, targets: Targets, quadrature: Rules) -> Layers:
     """Compute both layers from a space to targets; on the boundary, principal values."""
     entries = np.zeros((kernel.entries, targets.count, space.count))
 
@@ -97,18 +96,36 @@ def potentials(
 
     def task(patch: int, panels: Panels, rows: slice) -> None:
         shape = panels.surface.weights.shape
-        part = space.functions(patch)
+        part, here = space.functions(patch), targets.part(rows)
         densities = [d[:, part].reshape(-1, *shape) for d in (single, double)]
         sink = PotentialSink(results[patch][:, rows], layouts, densities)
-        interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
+        if kernel.sums is None:
+            interact(kernel, panels, patch, here, quadrature, sink)
+            return
+        results[patch][:, rows] += _summed(kernel.sums, panels, here, quadrature, densities)
+        against = PotentialSink(results[patch][:, rows], layouts, [-d for d in densities])
+        mend(kernel, panels, patch, here, quadrature, sink, against)
 
     _run(task, space, targets.count, "fields")
     return results.sum(axis=0)
 
 
-def _run(
-    task: Callable[[int, Panels, slice], None], space: Space, count: int, label: str
-) -> None:
+def _summed(
+    sums: Sums, panels: Panels, targets: Targets, quadrature: Rules, densities: Sequence[Array]
+) -> Array:
+    """Both layers' potentials (dim, T) by the lowest tensor rule on all panels."""
+    nodes = tensor_nodes(panels, quadrature.orders(max(panels.surface.degrees))[0])
+    position, normal = nodes.flat
+    at, out = np.ascontiguousarray(targets.position), np.zeros(targets.position.shape)
+    single, double = (nodes.densities(panels, d) for d in densities)
+    if densities[0].any():
+        sums.single(at, position, single, out)
+    if densities[1].any():
+        sums.double(at, np.zeros_like(out), position, normal, double, out)
+    return out
+
+
+def _run(task: Callable[[int, Panels, slice], None], space: Space, count: int, label: str) -> None:
     """Run a task for each patch and chunk of targets on all cores; results do not overlap."""
     panels = [split_patch(p.surface) for p in space.boundary.patches]
     chunks = [slice(k, min(k + TARGET_CHUNK, count)) for k in range(0, count, TARGET_CHUNK)]

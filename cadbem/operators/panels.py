@@ -122,9 +122,7 @@ def split_patch(surface: Nurbs) -> Panels:
         first.append(numbers)
     p, q = surface.degrees
     rows, columns = (range(len(b) - 1) for b in breaks)
-    nets = np.array(
-        [[control[a * p :, b * q :][: p + 1, : q + 1] for b in columns] for a in rows]
-    )
+    nets = np.array([[control[a * p :, b * q :][: p + 1, : q + 1] for b in columns] for a in rows])
     return Panels(surface, breaks, nets, tuple(extraction), tuple(first))
 
 
@@ -195,7 +193,27 @@ class Nodes:
         table = along[..., None] * across[:, None, :, None] * control
         return table.reshape(len(first_v) * m_u * m_v, -1), part_u, part_v
 
+    @cached_property
+    def flat(self) -> tuple[Array, Array]:
+        """Positions and normals (dim, nodes) of all panels' nodes."""
+        return (
+            np.ascontiguousarray(self.position.reshape(len(self.position), -1)),
+            np.ascontiguousarray(self.normal.reshape(len(self.normal), -1)),
+        )
 
+    def densities(self, panels: Panels, density: Array) -> Array:
+        """Weighted values (components, nodes) of coefficients (components, n_u, n_v)."""
+        spans = [f[:, None] + np.arange(p + 1) for f, p in zip(
+            panels.first, panels.surface.degrees, strict=True
+        )]  # fmt: skip
+        places = spans[0][:, None, :, None], spans[1][None, :, None, :]
+        local = density[:, *places] * panels.surface.weights[places]
+        values = np.einsum("aki,blj,cabij->cabkl", *self.functions, local, optimize=True)
+        weighted = values * self.weight.reshape(values.shape[1:])
+        return np.ascontiguousarray(weighted.reshape(len(density), -1))
+
+
+@lru_cache(maxsize=1024)
 def tensor_nodes(panels: Panels, order: int) -> Nodes:
     """Nodes of the tensor Gauss rule of ``order`` on every panel; one node across a curve."""
     p, q = panels.surface.degrees
