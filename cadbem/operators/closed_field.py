@@ -16,7 +16,8 @@ from scipy.spatial import cKDTree
 from cadbem.closed_points import collocation_grid
 from cadbem.kernels.kernel import Sums
 from cadbem.kernels.stokes_sums import stokes_sums
-from cadbem.operators.closed import ClosedLayers, gather
+from cadbem.operators.closed import ClosedLayers
+from cadbem.operators.gather import gather
 from cadbem.points import area_vector, dual_tangents
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.basis import Array
