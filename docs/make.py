@@ -1,11 +1,13 @@
 """Makes the numbers and pictures of the documentation: docs/results.md, docs/pictures/*.png.
 
-    python docs/make.py            everything (some ten minutes)
-    python docs/make.py pictures   the pictures only
-    python docs/make.py results    the tables only
+    python docs/make.py                      everything (some twenty minutes)
+    python docs/make.py pictures             the pictures only
+    python docs/make.py results              the tables only
+    python docs/make.py droplet_shear ...    section and pictures of these workflows only
 """
 
 import platform
+import re
 import shutil
 import sys
 import tempfile
@@ -23,6 +25,12 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "workflows"))
 
 import annulus_heat  # noqa: E402
+import droplet_elongation  # noqa: E402
+import droplet_extension  # noqa: E402
+import droplet_high_deformation_2d  # noqa: E402
+import droplet_shear  # noqa: E402
+import droplet_shear_2d  # noqa: E402
+import ellipse_relaxation  # noqa: E402
 import hollow_sphere_heat  # noqa: E402
 import moving_sphere  # noqa: E402
 import square_channel  # noqa: E402
@@ -33,7 +41,15 @@ PRINTED = {
     "Moving sphere": moving_sphere,
     "Heat in a quarter of an annulus": annulus_heat,
     "Heat in a hollow sphere": hollow_sphere_heat,
+    "Ellipse that relaxes to a circle": ellipse_relaxation,
+    "Plane droplet in shear flow": droplet_shear_2d,
+    "Plane droplet far from a circle": droplet_high_deformation_2d,
+    "Droplet in shear flow": droplet_shear,
+    "Droplet drawn out by shear flow": droplet_elongation,
+    "Viscous droplet in extension": droplet_extension,
 }
+OPTIONS = {"droplet_shear": {"reference": 392}}  # for the tables
+DRAWN = {"square_channel": square_channel, "y_junction": y_junction_flow}
 
 
 def table(head: Row, rows: list[Row]) -> str:
@@ -118,23 +134,31 @@ pressure drop converges with order {order:.1f} in the number of spans (from the 
 grids): the flow is singular at the three edges where branches meet.
 
 {junction}"""
-    for title, workflow in PRINTED.items():
-        text += f"\n## {title}\n\n```\n{printed(workflow)}```\n"
     (HERE / "results.md").write_text(text)
+    for title in PRINTED:
+        update_section(title)
+
+
+def update_section(title: str) -> None:
+    """Put what a workflow prints in the place of its section, or at the end."""
+    file = HERE / "results.md"
+    text = file.read_text()
+    section = f"## {title}\n\n```\n{printed(PRINTED[title])}```\n"
+    old = re.search(rf"^## {re.escape(title)}\n.*?(?=\n## |\Z)", text, re.MULTILINE | re.DOTALL)
+    file.write_text(text.replace(old[0], section) if old else f"{text}\n{section}")
 
 
 def printed(workflow: ModuleType) -> str:
     """What a workflow prints but for where its pictures are."""
     with redirect_stdout(StringIO()) as output:
-        workflow.main(output="")
+        workflow.main(output="", **OPTIONS.get(workflow.__name__, {}))
     return output.getvalue()
 
 
-def make_pictures() -> None:
+def make_pictures(workflows: dict[str, ModuleType]) -> None:
     folder = HERE / "pictures"
     folder.mkdir(exist_ok=True)
-    drawn = {"square_channel": square_channel, "y_junction": y_junction_flow}
-    for name, workflow in (drawn | {w.__name__: w for w in PRINTED.values()}).items():
+    for name, workflow in workflows.items():
         with tempfile.TemporaryDirectory() as made:
             workflow.main(output=made)
             for picture in Path(made).glob("*.png"):
@@ -144,7 +168,11 @@ def make_pictures() -> None:
 
 if __name__ == "__main__":
     wanted = sys.argv[1:] or ["results", "pictures"]
+    chosen = {title: w for title, w in PRINTED.items() if w.__name__ in wanted}
     if "results" in wanted:
         make_results()
     if "pictures" in wanted:
-        make_pictures()
+        make_pictures(DRAWN | {w.__name__: w for w in PRINTED.values()})
+    for title in chosen:
+        update_section(title)
+    make_pictures({w.__name__: w for w in chosen.values()})
