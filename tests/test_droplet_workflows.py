@@ -34,7 +34,7 @@ def test_ellipse_relaxation(tmp_path):
 
 def test_droplet_shear_2d(tmp_path):
     """D(τ) for λ = 1 and a true Ca of 0.1 within 1e-4 of a spectral computation."""
-    runs = cb.run(droplet_shear_2d.main, ["-o", str(tmp_path), "--end", "0.8"])
+    runs = cb.run(droplet_shear_2d.main, ["-o", str(tmp_path), "--end", "0.6"])
     assert droplet_shear_2d.series_error(runs["thesis's", 1.0, "ours"]) < 1e-4
     assert [p.name for p in tmp_path.iterdir()] == ["droplet_shear_2d.png"]
 
@@ -65,7 +65,7 @@ def test_volume_in_shear(tmp_path, capsys):
 
     In the thesis's way it drifts, most for low viscosity.
     """
-    options = ["--end", "0.5", "--points", "50", "--parts", "volume table"]
+    options = ["--end", "0.3", "--points", "50", "--parts", "volume table"]
     runs = cb.run(droplet_shear.main, ["-o", str(tmp_path), *options])
     kept = {key[1:]: run.volume for key, run in runs.items() if key[0] == "volume"}
     changes = {key: abs(volume[-1] / volume[0] - 1) for key, volume in kept.items()}
@@ -78,7 +78,7 @@ def test_volume_in_shear(tmp_path, capsys):
 
 def test_droplet_elongation(tmp_path):
     """At first D grows at 5 / (2 (2λ + 3)), and decays at 40 (1 + λ) / ((2λ + 3)(19λ + 16) Ca)."""
-    options = ["--end", "0.5", "--points", "50", "--coarse", "50", "--tolerance", "1e-4"]
+    options = ["--end", "0.3", "--points", "50", "--coarse", "50", "--tolerance", "1e-4"]
     history = cb.run(droplet_elongation.main, ["-o", str(tmp_path), *options])
     expected = first_deformation(5 / 6.4, 44 / (3.2 * 17.9 * 0.5), history.times[1])
     assert history.deformation[1] == pytest.approx(expected, rel=2e-3)
@@ -88,7 +88,7 @@ def test_droplet_elongation(tmp_path):
 
 def test_droplet_extension(tmp_path):
     """Steady D to second order in Ca; the third order is about 24 Ca³ at λ = 10."""
-    options = ["--points", "50", "--highest", "0.01", "--tolerance", "3e-4"]
+    options = ["--points", "50", "--highest", "0.01", "--tolerance", "1e-3"]
     branches = cb.run(droplet_extension.main, ["-o", str(tmp_path), *options])
     expected = droplet_extension.theory(0.01, 10.0, 2)
     assert expected == pytest.approx(1.75568181818 * 0.01 + 3.85597924157 * 1e-4, rel=1e-10)
