@@ -34,7 +34,7 @@ def test_ellipse_relaxation(tmp_path):
 
 def test_droplet_shear_2d(tmp_path):
     """D(τ) for λ = 1 and a true Ca of 0.1 within 1e-4 of a spectral computation."""
-    runs = cb.run(droplet_shear_2d.main, ["-o", str(tmp_path), "--end", "0.6"])
+    runs = cb.run(droplet_shear_2d.main, ["-o", str(tmp_path), "--end", "0.4"])
     assert droplet_shear_2d.series_error(runs["thesis's", 1.0, "ours"]) < 1e-4
     assert [p.name for p in tmp_path.iterdir()] == ["droplet_shear_2d.png"]
 

@@ -63,9 +63,7 @@ def main(
 
     # Fig. 4.3: one droplet, ours and the thesis's way without and with mesh relaxation
     if "shape" in parts:
-        runs: Runs = {("ours",): simulate(*case, points, **ours)}
-        runs["thesis's way",] = simulate(*case, points, **thesis)
-        runs["thesis's way, relaxed",] = simulate(*case, points, mesh=cb.RelaxMesh(), **thesis)
+        runs = shape_runs(case, points, ours, thesis)
         report_shape(case, runs)
         if folder:
             draw_shapes(folder, case, runs)
@@ -82,13 +80,17 @@ def main(
     # Table 4.1
     if "table" in parts:
         runs = {case: simulate(*case, points, **ours) for case in PRINTED}
-        fine = ours | {"degree": 6, "stepper": cb.Adaptive(1e-5)}
-        truth = {case: simulate(*case, reference, **fine) for case in PRINTED if reference}
-        report_table(runs, truth)
+        report_table(runs, fine_runs(reference, end) if reference else {})
         made |= {("table", *key): run for key, run in runs.items()}
     if folder:
         print(f"\nthe pictures are in {folder}")
     return made
+
+
+def shape_runs(case: tuple[float, float], points: int, ours: dict, thesis: dict) -> Runs:
+    relaxed = thesis | {"mesh": cb.RelaxMesh()}
+    runs = {"ours": ours, "thesis's way": thesis, "thesis's way, relaxed": relaxed}
+    return {(name,): simulate(*case, points, **options) for name, options in runs.items()}
 
 
 def report_shape(case: tuple[float, float], runs: Runs) -> None:
@@ -208,6 +210,11 @@ def volume_plot(runs: Runs) -> Plot:
         volume = run.volume / run.volume[0]
         curves.append(Curve(run.times, volume, label, dashed=corrected, colour=colour))
     return Plot("τ", "volume / initial volume", curves)
+
+
+def fine_runs(points: int, end: float) -> Runs:
+    options = {"degree": 6, "stepper": cb.Adaptive(1e-5), "end": end}
+    return {case: simulate(*case, points, **options) for case in PRINTED}
 
 
 def report_table(runs: Runs, fine: Runs) -> None:
