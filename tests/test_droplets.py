@@ -173,6 +173,15 @@ def test_volume_gradient_and_correction(shape):
     assert corrected.coefficients == pytest.approx(oracle.coefficients, abs=1e-8)
 
 
+def test_volume_far_from_the_origin():
+    """The correction works wherever a droplet is."""
+    shape = cb.spline_sphere(points=128, centre=(1e5, 0.0, -1e5))
+    here = cb.spline_sphere(points=128)
+    target = 1.001 * volume(here)
+    assert volume(shape) == pytest.approx(volume(here), rel=1e-9)
+    assert volume(cb.CorrectVolume().apply(shape, target)) == pytest.approx(target, rel=1e-9)
+
+
 def test_thesis_trigger():
     """Below 0.1 % nothing happens."""
     shape = cb.spline_circle()
