@@ -18,7 +18,7 @@ import numpy as np
 from cadbem.closed_points import ClosedGrid, ClosedPoints, collocation_grid
 from cadbem.kernels.kernel import Sums
 from cadbem.kernels.stokes_sums import stokes_sums
-from cadbem.operators.gather import NearTable, gather
+from cadbem.operators.gather import NearTable
 from cadbem.quadrature.closed import (
     ClosedRule,
     NearNodes,
@@ -121,16 +121,7 @@ class ClosedOperator:
         grid = self.on_rows(values)
 
         def row(table: NearTable) -> Array:
-            out = np.empty((len(values), table.count, self.basis.shape[-1]))
-            weights, corrections = table.weights, table.corrections
-            if not weighted:
-                weights, corrections = np.ones_like(weights), np.ones_like(corrections)
-            gather(
-                spline, table.row_first, table.row_values, table.column_first,
-                table.column_values, weights, grid, table.grid_rows, table.grid_columns,
-                corrections, out,
-            )  # fmt: skip
-            return out
+            return table.fields(spline, grid, len(values), self.basis.shape[-1], weighted)
 
         return self.by_rows(row, self.tables)
 
@@ -189,6 +180,11 @@ class ClosedLayers:
     @cached_property
     def _near_area(self) -> list[Array]:
         return self.operator.near(self.area, weighted=True)
+
+    @property
+    def free_term(self) -> float:
+        """h: half of what ∫ T·n gives inside, 4π or 2π."""
+        return self._sums.free_term
 
     def single(self, density: Array, level: Array) -> Array:
         """∫ G q dS (dim, N) at the collocation points, for q (dim, nodes) at the nodes.

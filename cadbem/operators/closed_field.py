@@ -17,11 +17,10 @@ from cadbem.closed_points import collocation_grid
 from cadbem.kernels.kernel import Sums
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.closed import ClosedLayers
-from cadbem.operators.gather import gather
 from cadbem.points import area_vector, dual_tangents
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.basis import Array
-from cadbem.spline.closed import ClosedSpline, unit_point
+from cadbem.spline.closed import ClosedSpline, unit_parameters, unit_point
 
 NEWTON_STEPS = 20
 
@@ -78,7 +77,7 @@ def nearest_points(spline: ClosedSpline, points: Array) -> Array:
         step = np.einsum("acn,cn->an", duals, points - spline.evaluate(at))
         length = np.linalg.norm(step, axis=0)
         step *= np.minimum(damping, 0.5 / np.maximum(length, 1e-300))
-        at = _parameters(unit_point(*at) + np.einsum("an,acn->cn", step, frame))
+        at = unit_parameters(unit_point(*at) + np.einsum("an,acn->cn", step, frame))
     return at
 
 
@@ -94,15 +93,6 @@ def _tangents(spline: ClosedSpline, at: Array) -> tuple[Array, Array]:
     east = np.stack([-np.sin(phi), np.cos(phi), 0 * phi])
     tangents = [spline.evaluate(at, (1, 0)), spline.evaluate(at, (0, 1)) / sine]
     return np.stack(tangents), np.stack([south, east])
-
-
-def _parameters(place: Array) -> Array:
-    """Parameters (p, M) of the directions of vectors (dim, M)."""
-    if len(place) == 2:
-        return np.arctan2(place[1], place[0])[None] % (2 * np.pi)
-    return np.stack(
-        [np.arctan2(np.hypot(place[0], place[1]), place[2]), np.arctan2(place[1], place[0])]
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,13 +143,7 @@ class _Field:
         stretch = np.linalg.norm(area_vector(*tangents)) ** (1 / (dim - 1))
         gap = np.linalg.norm(point - self.layers.spline.evaluate(foot[:, None])[:, 0])
         table = operator.table(operator.nodes.near(foot, max(float(gap / stretch), 1e-12)))
-        values = np.empty((4 * dim, table.count, 1))
-        spline, grid = self._tables
-        ones = np.ones_like(table.weights), np.ones_like(table.corrections)
-        gather(
-            spline, table.row_first, table.row_values, table.column_first, table.column_values,
-            ones[0], grid, table.grid_rows, table.grid_columns, ones[1], values,
-        )  # fmt: skip
+        values = table.fields(*self._tables, 4 * dim, targets=1, weighted=False)
         position, area, single, double = values.reshape(4, dim, -1, 1)
         weights = np.concatenate([table.weights, table.corrections])[:, None]
         target, out = np.ascontiguousarray(point[:, None]), np.zeros((dim, 1))

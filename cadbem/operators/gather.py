@@ -72,3 +72,15 @@ class NearTable:
     def count(self) -> int:
         """Nodes a target."""
         return len(self.weights) + len(self.corrections)
+
+    def fields(self, spline: Array, grid: Array, count: int, targets: int, weighted: bool) -> Array:
+        """``count`` fields (count, K + K', T) at the nodes near T targets: see ``gather``."""
+        out = np.empty((count, self.count, targets))
+        weights, corrections = self.weights, self.corrections
+        if not weighted:
+            weights, corrections = np.ones_like(weights), np.ones_like(corrections)
+        gather(
+            spline, self.row_first, self.row_values, self.column_first, self.column_values,
+            weights, grid, self.grid_rows, self.grid_columns, corrections, out,
+        )  # fmt: skip
+        return out

@@ -168,11 +168,14 @@ def closed_rule(rule: SelfRule, shape: tuple[int, ...]) -> ClosedRule:
     # erfc(s) falls like exp(-s²); the grid resolves the window's spectrum exp(-(πS/2s)²)
     window = {"steepness": sqrt(digits), "spacings": digits / (pi / 2)}
     phi = 2 * pi / grid[-1] * np.arange(0.5, grid[-1])
-    even = np.full(grid[-1], 2 * pi / grid[-1])
-    if len(shape) == 1:
-        return ClosedRule([phi], even, **window)
-    theta = pi / grid[0] * np.arange(0.5, grid[0])
-    return ClosedRule([theta, phi], np.outer(fejer_weights(grid[0]), even), **window)
+    theta = [pi / n * np.arange(0.5, n) for n in grid[:-1]]
+    return ClosedRule([*theta, phi], even_weights(tuple(grid)), **window)
+
+
+def even_weights(shape: tuple[int, ...]) -> Array:
+    """Weights (*shape) of evenly spaced points for the unit circle's length or sphere's area."""
+    even = np.full(shape[-1], 2 * pi / shape[-1])
+    return even if len(shape) == 1 else np.outer(fejer_weights(shape[0]), even)
 
 
 def _gauss_grid(order: int, shape: tuple[int, ...]) -> ClosedRule:

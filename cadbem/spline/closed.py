@@ -261,6 +261,14 @@ def unit_point(*parameters: ArrayLike) -> Array:
     return np.stack([sine * np.cos(longitude), sine * np.sin(longitude), np.cos(colatitude)])
 
 
+def unit_parameters(place: Array) -> Array:
+    """Parameters (p, ...) of the directions of vectors (dim, ...): inverse to ``unit_point``."""
+    longitude = np.arctan2(place[1], place[0])
+    if len(place) == 2:
+        return longitude[None]
+    return np.stack([np.arctan2(np.hypot(place[0], place[1]), place[2]), longitude])
+
+
 @dataclass(frozen=True, eq=False)
 class ClosedSpline:
     """A closed curve or surface: ``coefficients`` (dim, *basis.shape).

@@ -5,12 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 
-from cadbem.operators.closed import ClosedLayers
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
 from cadbem.spline.basis import Array
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.together import Induced, Response, respond_together
+from cadbem.suspension.together import Induced
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,10 +47,3 @@ class ChannelFlow:
 
     def _reflection(self, induced: Induced) -> StokesSolution:
         return self.problem.reflection(induced(self.problem.space.collocation.position))
-
-    def respond(
-        self, droplet: Droplet, layers: ClosedLayers, guess: Array | None = None
-    ) -> Response:
-        """The velocity of one droplet's interface; ``guess`` (coefficients) may speed it up."""
-        guesses = None if guess is None else [guess]
-        return respond_together(self, [droplet], [layers], guesses)[0]

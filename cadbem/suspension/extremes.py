@@ -14,7 +14,7 @@ import numpy as np
 
 from cadbem.closed_points import ClosedGrid
 from cadbem.spline.basis import Array
-from cadbem.spline.closed import ClosedBasis, ClosedSpline, unit_point
+from cadbem.spline.closed import ClosedBasis, ClosedSpline, unit_parameters, unit_point
 from cadbem.suspension.mesh import neighbours
 
 CANDIDATES = 24  # local extremes on the grid that are followed up
@@ -66,15 +66,7 @@ def _furthest(spline: ClosedSpline, centre: Array, sign: float) -> Array:
 
 def _arms(spline: ClosedSpline, centre: Array, unit: Array) -> Array:
     """From the centre to the images (dim, K) of unit vectors (dim, K)."""
-    return spline.evaluate(_parameters(unit)) - centre[:, None]
-
-
-def _parameters(unit: Array) -> Array:
-    """Parameters (p, K) of unit vectors (dim, K): the inverse of ``unit_point``."""
-    longitude = np.arctan2(unit[1], unit[0])
-    if len(unit) == 2:
-        return longitude[None]
-    return np.stack([np.arctan2(np.hypot(unit[0], unit[1]), unit[2]), longitude])
+    return spline.evaluate(unit_parameters(unit)) - centre[:, None]
 
 
 def _normalised(vectors: Array) -> Array:

@@ -8,12 +8,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.operators.closed import ClosedLayers
-from cadbem.operators.closed_field import nearest_points, off_surface
+from cadbem.operators.closed_field import nearest_points
 from cadbem.points import area_vector
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.together import Response, Surroundings
+from cadbem.suspension.together import Response, Surroundings, made_outside
 
 
 def is_inside(shape: ClosedSpline, points: Array) -> Array:
@@ -62,5 +62,4 @@ def _made(
     basis, ratio = layers.operator.basis, droplet.viscosity_ratio
     jump = basis.fit(response.jump(layers.targets).reshape(-1, *basis.shape))
     doubled = None if ratio == 1.0 else (1 - ratio) * response.velocity
-    half = 2 * np.pi * (layers.spline.dimension - 1)
-    return off_surface(layers, -jump / surroundings.viscosity, doubled, points) / (2 * half)
+    return made_outside(layers, -jump / surroundings.viscosity, doubled, points)

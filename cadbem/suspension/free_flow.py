@@ -35,9 +35,6 @@ class FreeFlow:
         """Nothing: there are no walls."""
         return 0.0
 
-    def respond(
-        self, droplet: Droplet, layers: ClosedLayers, guess: Array | None = None
-    ) -> Response:
-        """The velocity of one droplet's interface; ``guess`` (coefficients) may speed it up."""
-        guesses = None if guess is None else [guess]
-        return respond_together(self, [droplet], [layers], guesses)[0]
+    def respond(self, droplet: Droplet, layers: ClosedLayers) -> Response:
+        """The velocity of one droplet's interface."""
+        return respond_together(self, [droplet], [layers])[0]

@@ -24,7 +24,7 @@ import numpy as np
 
 from cadbem.closed_points import ClosedPoints
 from cadbem.operators.closed import ClosedLayers
-from cadbem.quadrature.closed import fejer_weights
+from cadbem.quadrature.closed import even_weights
 from cadbem.spline.basis import Array
 
 
@@ -35,11 +35,6 @@ class InterfaceEquation:
     layers: ClosedLayers
     viscosity_ratio: float
     deflated: bool = True
-
-    @property
-    def half(self) -> float:
-        """h: half of what ∫ T·n gives inside, 4π or 2π."""
-        return 4 * np.pi if self.layers.spline.dimension == 3 else 2 * np.pi
 
     @property
     def beta(self) -> float:
@@ -81,7 +76,7 @@ class InterfaceEquation:
             return values
         basis = self.layers.operator.basis
         coefficients = basis.fit(values.reshape(-1, *basis.shape))
-        doubled = self.layers.double(coefficients) / self.half
+        doubled = self.layers.double(coefficients) / self.layers.free_term
         if self.deflated:
             doubled += self._project(values) - self._flux(values)
         return values - self.beta * doubled
@@ -89,11 +84,6 @@ class InterfaceEquation:
     def prepared(self, right: Array) -> Array:
         """The right side, without flux if that is deflated."""
         return right - self._flux(right) if self.deflated else right
-
-    def deflate(self, coefficients: Array) -> Array:
-        """w (dim, N) from coefficients of u."""
-        values = self.layers.operator.collocation.values(coefficients)
-        return values + self.beta * self._project(values) if self.deflated else values
 
     def recover(self, values: Array) -> Array:
         """Coefficients (dim, *shape) of u from w (dim, N)."""
@@ -105,10 +95,7 @@ class InterfaceEquation:
 
 def collocation_weights(layers: ClosedLayers) -> Array:
     """Weights (N,) of the collocation points on the unit circle or sphere."""
-    shape = layers.operator.basis.shape
-    if len(shape) == 1:
-        return np.full(shape[0], 2 * np.pi / shape[0])
-    return np.repeat(fejer_weights(shape[0]) * 2 * np.pi / shape[1], shape[1])
+    return even_weights(layers.operator.basis.shape).ravel()
 
 
 def rigid_motions(position: Array, weights: Array) -> Array:

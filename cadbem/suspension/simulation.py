@@ -104,7 +104,7 @@ class Simulation:
     motion: Motion = affine_velocity
     volume: CorrectVolume | None = CorrectVolume()
     mesh: RelaxMesh | None = None
-    rule: SelfRule = PolarRule(1e-5)
+    rule: SelfRule = PolarRule()
 
     @cached_property
     def droplets(self) -> tuple[Droplet, ...]:

@@ -70,9 +70,8 @@ def respond_together(
     surroundings: Surroundings,
     droplets: Sequence[Droplet],
     layers: Sequence[ClosedLayers],
-    guesses: Sequence[Array] | None = None,
 ) -> list[Response]:
-    """The velocities of all interfaces; ``guesses`` (coefficients) may speed it up.
+    """The velocities of all interfaces.
 
     Raises ConditionError where GMRES fails, and for several droplets of which one has an
     interface law with an unknown of its own.
@@ -81,7 +80,7 @@ def respond_together(
     counts: list[int] = []
 
     def velocities(jumps: Sequence[Jump]) -> list[Array]:
-        found, count = together.solve(jumps, guesses)
+        found, count = together.solve(jumps)
         counts.append(count)
         return found
 
@@ -92,6 +91,15 @@ def respond_together(
     jumps = [_explicit_jump(d, of) for d, of in zip(droplets, layers, strict=True)]
     found = velocities(jumps)
     return [Response(u, j, counts[0]) for u, j in zip(found, jumps, strict=True)]
+
+
+def made_outside(
+    layers: ClosedLayers, single: Array | None, double: Array | None, points: Array
+) -> Array:
+    """(S[q] + D[u]) / 2h at points (dim, M) off an interface, q and u given by coefficients."""
+    if single is None and double is None:
+        return np.zeros_like(points)
+    return off_surface(layers, single, double, points) / (2 * layers.free_term)
 
 
 def _explicit_jump(droplet: Droplet, layers: ClosedLayers) -> Jump:
@@ -136,12 +144,9 @@ class _Together:
 
         Of the layers ∫ G q dS + ∫ u·T·n dS over 2h, q and u given by their coefficients.
         """
-        half = self._equations[0].half
 
         def made(by: int, points: Array) -> Array:
-            if single[by] is None and double[by] is None:
-                return np.zeros_like(points)
-            return off_surface(self.layers[by], single[by], double[by], points) / (2 * half)
+            return made_outside(self.layers[by], single[by], double[by], points)
 
         def induced(points: Array) -> Array:
             return np.sum([made(j, points) for j in range(len(self.layers))], axis=0)
@@ -155,18 +160,13 @@ class _Together:
                     felt[i] = felt[i] + made(j, points)
         return felt
 
-    def solve(
-        self, jumps: Sequence[Jump], guesses: Sequence[Array] | None
-    ) -> tuple[list[Array], int]:
+    def solve(self, jumps: Sequence[Jump]) -> tuple[list[Array], int]:
         """Coefficients of all velocities, and the number of iterations."""
         rights = self._rights(jumps)
         if all(e.beta == 0.0 for e in self._equations):
             pairs = zip(self._equations, rights, strict=True)
             return [e.recover(right) for e, right in pairs], 0
-        start = rights if guesses is None else [
-            e.deflate(g) for e, g in zip(self._equations, guesses, strict=True)
-        ]  # fmt: skip
-        values, count = self._iterate(rights, start)
+        values, count = self._iterate(rights)
         return [e.recover(w) for e, w in zip(self._equations, values, strict=True)], count
 
     def _rights(self, jumps: Sequence[Jump]) -> list[Array]:
@@ -181,7 +181,7 @@ class _Together:
         felt = self._incident(forces, [None] * len(forces), self.surroundings.velocity)
         rights = []
         for e, single, incident in zip(self._equations, own, felt, strict=True):
-            flow = 2 * incident - single / e.half
+            flow = 2 * incident - single / e.layers.free_term
             rights.append(e.prepared(flow / (1 + e.viscosity_ratio)))
         return rights
 
@@ -197,7 +197,7 @@ class _Together:
             for e, w, incident in zip(self._equations, values, felt, strict=True)
         ]
 
-    def _iterate(self, rights: Sequence[Array], start: Sequence[Array]) -> tuple[list[Array], int]:
+    def _iterate(self, rights: Sequence[Array]) -> tuple[list[Array], int]:
         residuals: list[float] = []
         shape = (len(rights[0]), -1)
 
@@ -209,7 +209,7 @@ class _Together:
         right = np.concatenate(rights, axis=1).ravel()
         system = LinearOperator((right.size, right.size), apply, dtype=float)
         solution, failed = gmres(
-            system, right, x0=np.concatenate(start, axis=1).ravel(), rtol=SOLVER_TOLERANCE,
+            system, right, x0=right, rtol=SOLVER_TOLERANCE,
             restart=60, maxiter=5, callback=residuals.append, callback_type="pr_norm",
         )  # fmt: skip
         if failed:
