@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from cadbem.errors import DisplayError as DisplayError
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
+    from cadbem.extension import extended as extended
     from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_around as draw_around
     from cadbem.post import draw_boundary as draw_boundary
@@ -114,6 +115,7 @@ _NAMES = {
         "SelectionError",
         "ShapeError",
     ),
+    "extension": ("extended",),
     "post": (
         "bezier_grid",
         "draw_around",
