@@ -19,6 +19,8 @@ import numpy as np  # noqa: E402
 import cadbem as cb  # noqa: E402
 from cadbem.kernels.stokes_sums import stokes_sums  # noqa: E402
 from cadbem.operators.closed import ClosedLayers, closed_operator  # noqa: E402
+from cadbem.suspension.droplet import PlacedDroplet
+from cadbem.suspension.together import respond_together
 
 REPEATS, ROUNDS = 5, 7
 
@@ -50,7 +52,9 @@ def compare(points: int, ratio: float) -> str:
     drop, flow = cb.Droplet(shape, cb.SurfaceTension(1.0), ratio), cb.FreeFlow(cb.shear())
 
     def velocity() -> int:
-        return flow.respond(drop, ClosedLayers(operator, shape)).iterations
+        return respond_together(
+            flow, [PlacedDroplet(drop, ClosedLayers(operator, shape))]
+        )[0].iterations
 
     iterations = velocity()
     near = np.mean([table.count for table in operator.tables])

@@ -71,6 +71,8 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import sphere_octants as sphere_octants
     from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
     from cadbem.suspension.channel_flow import ChannelFlow as ChannelFlow
+    from cadbem.suspension.closeness import Repel as Repel
+    from cadbem.suspension.closeness import StopAtGap as StopAtGap
     from cadbem.suspension.droplet import Droplet as Droplet
     from cadbem.suspension.flows import UserFlow as UserFlow
     from cadbem.suspension.flows import at_rest as at_rest
@@ -95,8 +97,11 @@ if TYPE_CHECKING:
     from cadbem.suspension.motion import affine_velocity as affine_velocity
     from cadbem.suspension.motion import full_velocity as full_velocity
     from cadbem.suspension.motion import normal_velocity as normal_velocity
+    from cadbem.suspension.particle import RigidParticle as RigidParticle
+    from cadbem.suspension.particle import rigid_ellipsoid as rigid_ellipsoid
+    from cadbem.suspension.particle import rigid_sphere as rigid_sphere
     from cadbem.suspension.simulation import Simulation as Simulation
-    from cadbem.suspension.simulation import State as State
+    from cadbem.suspension.state import State as State
     from cadbem.suspension.stepping import Adaptive as Adaptive
     from cadbem.suspension.stepping import Euler as Euler
     from cadbem.suspension.thesis import thesis_methods as thesis_methods
@@ -169,6 +174,7 @@ _NAMES = {
         "sphere_with_poles",
     ),
     "suspension.channel_flow": ("ChannelFlow",),
+    "suspension.closeness": ("Repel", "StopAtGap"),
     "suspension.droplet": ("Droplet",),
     "suspension.flows": (
         "UserFlow",
@@ -186,8 +192,10 @@ _NAMES = {
     "suspension.measures": ("inclination", "measure", "taylor_deformation"),
     "suspension.membrane": ("InextensibleMembrane",),
     "suspension.mesh": ("RelaxMesh",),
+    "suspension.particle": ("RigidParticle", "rigid_ellipsoid", "rigid_sphere"),
     "suspension.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
-    "suspension.simulation": ("Simulation", "State"),
+    "suspension.simulation": ("Simulation",),
+    "suspension.state": ("State",),
     "suspension.stepping": ("Adaptive", "Euler"),
     "suspension.thesis": ("thesis_methods",),
     "suspension.volume": ("CorrectVolume",),

@@ -7,8 +7,7 @@ import pytest
 from test_closed_layers import layers_of, stokeslet, wavy
 
 import cadbem as cb
-from cadbem.operators.closed_field import nearest_points, off_surface
-from cadbem.suspension.fields import is_inside
+from cadbem.operators.closed_field import OffSurface, nearest_points, signed_distance
 
 
 @pytest.mark.parametrize("dimension, n, tolerance", [(2, 14, 2e-5), (3, 14, 2e-4)])
@@ -25,7 +24,7 @@ def test_greens_representation_at_any_distance(dimension, n, tolerance):
     for depth in (0.5, 0.1, 1e-2, 1e-4):
         for side in (-1, 1):
             points = at.position[:, some] + side * depth * at.normal[:, some]
-            result = off_surface(layers, single, -double, points) / (2 * sums.free_term)
+            result = OffSurface(layers, points).apply(single, -double) / (2 * sums.free_term)
             exact = stokeslet(source, strength, points, points)[0] if side < 0 else 0.0
             assert np.abs(result - exact).max() < tolerance
 
@@ -44,7 +43,7 @@ def test_linear_flow_through_an_interface(dimension, ratio):
     law = SimpleNamespace(close=lambda layers, respond: (respond(jump), jump))
     shape = wavy(dimension, 14)
     run = cb.Simulation(cb.FreeFlow(flow), cb.Droplet(shape, law, ratio))
-    state = cb.State(run, 0.0, run.droplets)
+    state = run.start
     points = np.random.default_rng(0).uniform(-2, 2, (dimension, 40))
     assert state.velocity_at(points) == pytest.approx(flow.velocity(points), abs=3e-4)
 
@@ -56,7 +55,7 @@ def test_inside_and_nearest():
         shape = cb.spline_ellipsoid(axes, points=200)
         points = random.uniform(-2, 2, (len(axes), 200))
         exact = ((points / np.reshape(axes, (-1, 1))) ** 2).sum(axis=0) < 1
-        assert (is_inside(shape, points) == exact).all()
+        assert ((signed_distance(shape, points) < 0) == exact).all()
         beyond = np.zeros((len(axes), 1))
         beyond[-1] = 1.0
         foot = shape.evaluate(nearest_points(shape, beyond))

@@ -11,7 +11,7 @@ from scipy.optimize import brentq
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import potentials
+from cadbem.operators.potentials import Potentials
 from cadbem.problems.heat import HeatProblem
 from cadbem.problems.heat_conditions import HeatFlux, SurfaceExchange, Temperature
 from cadbem.problems.heat_source import gradient_kernel, laplace_kernel, total_source
@@ -70,7 +70,7 @@ def test_green_identity(dimension):
         (laplace_kernel(dimension, 2.0), free * np.array([[0.2, 0.6, 0.0]])),
         (gradient_kernel(dimension), free * np.outer(np.eye(dimension)[0], [1, 1, 0])),
     ):
-        result = potentials(kernel, space, Targets.free(points), FINE, -slope, value)
+        result = Potentials(kernel, space, Targets.free(points), FINE).apply(-slope, value)
         assert result == pytest.approx(exact, abs=1e-7)
 
 

@@ -7,8 +7,9 @@ from shapes import bulged, channel
 from cadbem.boundary import Boundary, Patch
 from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import assemble_layers, collocation_targets, potentials
+from cadbem.operators.layers import assemble_layers, collocation_targets
 from cadbem.operators.locate import locate
+from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature
 from cadbem.space import discontinuous_space
 
@@ -64,15 +65,14 @@ def test_jump_of_the_double_layer_and_continuity_of_the_single_layer(depth):
     one[0] = 1.0
     for side, exact in ((depth, 8 * np.pi), (-depth, 0.0)):
         targets = Targets.free(near_wall(SMALL, side))
-        value = potentials(STOKES_3D, space, targets, FINE, 0 * one, one)
+        value = Potentials(STOKES_3D, space, targets, FINE).apply(0 * one, one)
         assert abs(value[0] - exact).max() < 1e-8
         assert abs(value[1:]).max() < 1e-8
     flat = discontinuous_space(channel().elevated(2).refined(2))
     for side in (depth, -depth):
         targets = Targets.free(near_wall(flat.boundary, side))
-        value = potentials(
-            STOKES_3D, flat, targets, FINE, flat.collocation.normal, np.zeros((3, flat.count))
-        )
+        at_targets = Potentials(STOKES_3D, flat, targets, FINE)
+        value = at_targets.apply(flat.collocation.normal, np.zeros((3, flat.count)))
         assert abs(value).max() < 1e-9
 
 
@@ -110,8 +110,9 @@ def test_greens_identity_with_a_source_outside(degree):
         f = np.einsum("ijn,jn->in", stress, n)
         single, double = space.interpolate(-f), space.interpolate(u)
         targets = Targets.free(points)
-        ours = potentials(STOKES_3D, space, targets, FINE, single, double) / (8 * np.pi)
-        ours_pressure = potentials(STOKES_PRESSURE_3D, space, targets, FINE, -single, double)[0]
+        ours = Potentials(STOKES_3D, space, targets, FINE).apply(single, double) / (8 * np.pi)
+        at_targets = Potentials(STOKES_PRESSURE_3D, space, targets, FINE)
+        ours_pressure = at_targets.apply(-single, double)[0]
         gaps = ours - exact, (ours_pressure / (8 * np.pi) - pressure)[:40]
         errors.append([np.sqrt((gap**2).mean()) for gap in gaps])
     slopes = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
@@ -124,9 +125,8 @@ def test_outside_the_identity_gives_zero():
     space = discontinuous_space(bulged().elevated(5).refined(4))
     u, stress, _ = stokeslet(space.collocation.position, [1.8, 1.5, 1.4], np.array([0, 1.0, 0]))
     f = np.einsum("ijn,jn->in", stress, space.collocation.normal)
-    value = potentials(
-        STOKES_3D, space, Targets.free(OUTSIDE), FINE, space.interpolate(-f), space.interpolate(u)
-    )
+    outside = Potentials(STOKES_3D, space, Targets.free(OUTSIDE), FINE)
+    value = outside.apply(space.interpolate(-f), space.interpolate(u))
     assert abs(value).max() / (8 * np.pi) < 1e-5 * abs(u).max()
 
 
@@ -141,12 +141,10 @@ def test_matrices_and_potentials_agree_under_rotation_and_translation():
     points = np.concatenate([INSIDE, near_wall(SMALL, 1e-3)], axis=1)
     here, there = discontinuous_space(SMALL), discontinuous_space(moved)
     first = assemble_layers(STOKES_3D, here, Targets.free(points), FINE).apply(single, double)
-    second = potentials(STOKES_3D, here, Targets.free(points), FINE, single, double)
+    second = Potentials(STOKES_3D, here, Targets.free(points), FINE).apply(single, double)
     assert second == pytest.approx(first, abs=1e-12 * abs(first).max())
-    third = potentials(
-        STOKES_3D, there, Targets.free(turn @ points + shift[:, None]), FINE,
-        turn @ single, turn @ double,
-    )  # fmt: skip
+    at_targets = Targets.free(turn @ points + shift[:, None])
+    third = Potentials(STOKES_3D, there, at_targets, FINE).apply(turn @ single, turn @ double)
     assert turn.T @ third == pytest.approx(first, abs=1e-9 * abs(first).max())
 
 

@@ -11,8 +11,9 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.kernels.laplace_2d import LAPLACE_2D, LAPLACE_GRADIENT_2D
 from cadbem.kernels.stokes_2d import STOKES_2D, STOKES_PRESSURE_2D
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import assemble_layers, collocation_targets, potentials
+from cadbem.operators.layers import assemble_layers, collocation_targets
 from cadbem.operators.locate import locate
+from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature
 from cadbem.space import Field, discontinuous_space
 from cadbem.spline import Nurbs
@@ -92,7 +93,7 @@ def test_constant_density_under_the_double_layer(kernel, boundary):
         for depth in DEPTHS:
             for side, exact in ((depth, 2 * kernel.free_term), (-depth, 0.0)):
                 targets = Targets.free(near_wall(boundary, side))
-                value = potentials(kernel, space, targets, FINE, 0 * one, one)
+                value = Potentials(kernel, space, targets, FINE).apply(0 * one, one)
                 value[axis] -= exact
                 assert abs(value).max() < max(1e-10, 1e-15 / depth)
 
@@ -109,7 +110,7 @@ def test_stokes_single_layer_of_the_normal(depth):
         sides = [Targets.free(near_wall(boundary, side)) for side in (depth, -depth)]
         targets = sides if depth else [collocation_targets(space)]
         for target in targets:
-            value = potentials(STOKES_2D, space, target, FINE, single, 0 * single)
+            value = Potentials(STOKES_2D, space, target, FINE).apply(single, 0 * single)
             assert abs(value).max() < bound
 
 
@@ -130,9 +131,10 @@ def test_greens_identity_with_a_source_outside(kernel, companion, degree):
         values, fluxes, _ = singularity(kernel, points.position, points.normal)
         single, double = space.interpolate(-fluxes), space.interpolate(values)
         inside = 2 * kernel.free_term
-        ours = potentials(kernel, space, Targets.free(close), FINE, single, double) / inside
+        ours = Potentials(kernel, space, Targets.free(close), FINE).apply(single, double) / inside
         sign = 1 if kernel is LAPLACE_2D else -1
-        other = potentials(companion, space, Targets.free(MIDDLE), FINE, sign * single, double)
+        inner = Potentials(companion, space, Targets.free(MIDDLE), FINE)
+        other = inner.apply(sign * single, double)
         gaps = ours - exact, other / inside - exact_companion
         errors.append([np.sqrt((gap**2).mean()) for gap in gaps])
     slopes = -np.polyfit(np.log(sizes), np.log(errors), 1)[0]
@@ -147,7 +149,7 @@ def test_outside_the_identity_gives_zero(kernel):
     single, double = space.interpolate(-fluxes), space.interpolate(values)
     for depth in (1.0, *DEPTHS):
         targets = Targets.free(near_wall(ELLIPSE, -depth))
-        assert abs(potentials(kernel, space, targets, FINE, single, double)).max() < 5e-9
+        assert abs(Potentials(kernel, space, targets, FINE).apply(single, double)).max() < 5e-9
 
 
 @pytest.mark.parametrize("kernel", KERNELS, ids=NAMES)
@@ -163,7 +165,7 @@ def test_two_sides_of_the_curve(kernel):
     for single, double in ((density, 0 * density), (0 * density, density)):
         sides = [Targets.free(near_wall(WAVY, depth, at)) for depth in (1e-8, -1e-8)]
         inner, outer, value = (
-            potentials(kernel, space, targets, FINE, single, double) for targets in (*sides, on)
+            Potentials(kernel, space, at, FINE).apply(single, double) for at in (*sides, on)
         )
         assert abs(inner - outer - (jump if double.any() else 0)).max() < 5e-7
         assert abs(0.5 * (inner + outer) - value).max() < 1e-7
@@ -197,11 +199,11 @@ def test_matrices_and_potentials_agree_under_rotation_and_translation(kernel):
     single, double = rng.normal(size=(2, kernel.components, here.count))
     points = np.concatenate([MIDDLE, near_wall(ELLIPSE, 1e-3)], axis=1)
     first = assemble_layers(kernel, here, Targets.free(points), FINE).apply(single, double)
-    second = potentials(kernel, here, Targets.free(points), FINE, single, double)
+    second = Potentials(kernel, here, Targets.free(points), FINE).apply(single, double)
     assert second == pytest.approx(first, abs=1e-12 * abs(first).max())
     frame = turn if kernel.components == 2 else np.eye(1)
     targets = Targets.free(turn @ points + shift[:, None])
-    third = potentials(kernel, there, targets, FINE, frame @ single, frame @ double)
+    third = Potentials(kernel, there, targets, FINE).apply(frame @ single, frame @ double)
     assert frame.T @ third == pytest.approx(first, abs=1e-9 * abs(first).max())
 
 

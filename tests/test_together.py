@@ -13,6 +13,7 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box
 from cadbem.suspension.channel_flow import ChannelFlow
+from cadbem.suspension.droplet import PlacedDroplet
 from cadbem.suspension.together import respond_together
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
@@ -33,7 +34,7 @@ class Undisturbed:
         return respond(self.jump_of(layers)), self.jump_of(layers)
 
 
-def placed(dimension: int, n: int, centre, size: float) -> cb.ClosedSpline:
+def shifted(dimension: int, n: int, centre, size: float) -> cb.ClosedSpline:
     shape = wavy(dimension, n)
     middle = np.reshape(centre, (-1, *[1] * (shape.coefficients.ndim - 1)))
     return cb.ClosedSpline(shape.basis, size * shape.coefficients + middle)
@@ -46,7 +47,8 @@ def errors(flow, surroundings, shapes, ratios) -> float:
     strain = (strain + strain.T) / 2
     drops = [cb.Droplet(s, Undisturbed(strain, r), r) for s, r in zip(shapes, ratios, strict=True)]
     layers = [layers_of(s, cb.PolarRule(1e-5)) for s in shapes]
-    found = respond_together(surroundings, drops, layers)
+    placed = [PlacedDroplet(d, of) for d, of in zip(drops, layers, strict=True)]
+    found = respond_together(surroundings, placed)
     return max(
         np.abs(
             of.operator.collocation.values(r.velocity) - flow.velocity(of.targets.position)
@@ -60,11 +62,11 @@ def errors(flow, surroundings, shapes, ratios) -> float:
 def test_two_droplets_in_a_linear_flow(dimension, gap):
     """Different viscosity ratios, far apart and almost touching (in diameters of about 2)."""
     flow = cb.shear(dimension=dimension)
-    shapes = [placed(dimension, 12, np.zeros(dimension), 1.0)]
+    shapes = [shifted(dimension, 12, np.zeros(dimension), 1.0)]
     width = np.ptp(shapes[0].points()[0])
     shift = np.zeros(dimension)
     shift[0] = width + gap
-    shapes.append(placed(dimension, 12, shift, 1.0))
+    shapes.append(shifted(dimension, 12, shift, 1.0))
     assert errors(flow, cb.FreeFlow(flow), shapes, (0.3, 4.0)) < (2e-4 if dimension == 2 else 2e-3)
 
 
@@ -82,7 +84,7 @@ def test_droplet_in_a_box_with_linear_flow(dimension):
     conditions = {n: cb.Velocity(lambda x: strain @ x) for n in boundary.names[:-1]}
     conditions[boundary.names[-1]] = cb.Traction(tuple(2 * strain @ last.normal[:, 0]))
     problem = cb.StokesProblem(boundary, 1.0, conditions)
-    shape = placed(dimension, 12, 0.2 * np.ones(dimension), 1.0)
+    shape = shifted(dimension, 12, 0.2 * np.ones(dimension), 1.0)
     for ratio in (1.0, 5.0):
         assert errors(flow, ChannelFlow(problem), [shape], [ratio]) < 1e-3
 

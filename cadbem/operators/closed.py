@@ -181,6 +181,12 @@ class ClosedLayers:
     def _near_area(self) -> list[Array]:
         return self.operator.near(self.area, weighted=True)
 
+    @cached_property
+    def tables(self) -> tuple[Array, Array]:
+        """Positions and area vectors as splines and as values, for ``gather``."""
+        values = np.concatenate([self.points.position, self.area])
+        return self.operator.padded(values), self.operator.on_rows(values)
+
     @property
     def free_term(self) -> float:
         """h: half of what ∫ T·n gives inside, 4π or 2π."""

@@ -14,9 +14,10 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cadbem.closed_points import collocation_grid
-from cadbem.kernels.kernel import Sums
+from cadbem.kernels.kernel import Index, Sums
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.closed import ClosedLayers
+from cadbem.operators.gather import NearTable
 from cadbem.points import area_vector, dual_tangents
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.basis import Array
@@ -25,21 +26,35 @@ from cadbem.spline.closed import ClosedSpline, unit_parameters, unit_point
 NEWTON_STEPS = 20
 
 
-def off_surface(
-    layers: ClosedLayers, single: Array | None, double: Array | None, points: Array
-) -> Array:
-    """∫ G q dS + ∫ u·T·n dS (dim, M) at points (dim, M) off the surface, n outwards.
+@dataclass(frozen=True, eq=False)
+class OffSurface:
+    """Both layers at ``points`` (dim, M) off the surface, as often as densities change."""
 
-    ``single`` and ``double`` are coefficients (dim, *shape) of q and u, or None for zero.
-    """
-    points = np.ascontiguousarray(points, dtype=float)
-    field = _Field(layers, single, double)
-    result = field.far(points)
-    close = np.nonzero(too_close(layers, points))[0]
-    feet = nearest_points(layers.spline, points[:, close])
-    for k, foot in zip(close, feet.T, strict=True):
-        result[:, k] += field.near(points[:, k], foot)
-    return result
+    layers: ClosedLayers
+    points: Array
+
+    def apply(self, single: Array | None, double: Array | None) -> Array:
+        """∫ G q dS + ∫ u·T·n dS (dim, M), n outwards.
+
+        ``single`` and ``double`` are coefficients (dim, *shape) of q and u, or None for zero.
+        """
+        result = np.zeros(self.points.shape)
+        field = _Field(self.layers, single, double)
+        field.add_far(self.points, result)
+        for k, window in zip(self._close, self._windows, strict=True):
+            result[:, k] += field.near(window)
+        return result
+
+    @cached_property
+    def _close(self) -> Index:
+        """Numbers of the points that need a window."""
+        return np.nonzero(too_close(self.layers, self.points))[0]
+
+    @cached_property
+    def _windows(self) -> list[Window]:
+        points = self.points[:, self._close]
+        feet = nearest_points(self.layers.spline, points)
+        return [_window(self.layers, *pair) for pair in zip(points.T, feet.T, strict=True)]
 
 
 def too_close(layers: ClosedLayers, points: Array) -> Array:
@@ -81,6 +96,18 @@ def nearest_points(spline: ClosedSpline, points: Array) -> Array:
     return at
 
 
+def signed_distance(spline: ClosedSpline, points: Array) -> Array:
+    """Distance (M,) of points (dim, M) from a closed curve or surface, negative inside."""
+    foot = nearest_points(spline, points)
+    # away from the poles, where the parameters' derivatives vanish but the normal does not turn
+    if spline.dimension == 3:
+        foot = np.stack([np.clip(foot[0], 1e-6, np.pi - 1e-6), foot[1]])
+    units = np.eye(len(foot), dtype=int)
+    normal = area_vector(*(spline.evaluate(foot, tuple(unit)) for unit in units))
+    way = points - spline.evaluate(foot)
+    return np.linalg.norm(way, axis=0) * np.where((way * normal).sum(axis=0) < 0, -1.0, 1.0)
+
+
 def _tangents(spline: ClosedSpline, at: Array) -> tuple[Array, Array]:
     """Derivatives along orthonormal directions of the unit circle or sphere, and these (p, dim,
     M)."""
@@ -96,6 +123,30 @@ def _tangents(spline: ClosedSpline, at: Array) -> tuple[Array, Array]:
 
 
 @dataclass(frozen=True, eq=False)
+class Window:
+    """Nodes around the point of a surface that is nearest to a target (dim, 1): ``position`` and
+    ``area`` vectors (dim, K, 1), the former unweighted, and ``weights`` (K, 1)."""
+
+    target: Array
+    table: NearTable
+    position: Array
+    area: Array
+    weights: Array
+
+
+def _window(layers: ClosedLayers, point: Array, foot: Array) -> Window:
+    operator, dim = layers.operator, len(point)
+    tangents, _ = _tangents(layers.spline, foot[:, None])
+    stretch = np.linalg.norm(area_vector(*tangents)) ** (1 / (dim - 1))
+    gap = np.linalg.norm(point - layers.spline.evaluate(foot[:, None])[:, 0])
+    table = operator.table(operator.nodes.near(foot, max(float(gap / stretch), 1e-12)))
+    values = table.fields(*layers.tables, 2 * dim, targets=1, weighted=False)
+    position, area = values.reshape(2, dim, -1, 1)
+    weights = np.concatenate([table.weights, table.corrections])[:, None]
+    return Window(np.ascontiguousarray(point[:, None]), table, position, area * weights, weights)
+
+
+@dataclass(frozen=True, eq=False)
 class _Field:
     """Both layers with densities, at single points near the surface and many points far away."""
 
@@ -108,48 +159,43 @@ class _Field:
         return stokes_sums(self.layers.spline.dimension)
 
     @cached_property
-    def _nodes(self) -> list[Array]:
-        """Positions, area vectors, q J and u (dim, nodes) at the grid's nodes, without weights."""
-        layers, grid = self.layers, self.layers.operator.grid
-        densities = [None if c is None else grid.values(c) for c in (self.single, self.double)]
-        empty = np.zeros_like(layers.points.position)
-        single = empty if densities[0] is None else densities[0] * layers.points.jacobian
-        double = empty if densities[1] is None else densities[1]
+    def _densities(self) -> list[Array | None]:
+        """q J and u (dim, nodes) at the grid's nodes, without weights."""
+        values = self.layers.operator.grid.values
         return [
-            np.ascontiguousarray(a) for a in (layers.points.position, layers.area, single, double)
+            None if self.single is None else values(self.single) * self.layers.points.jacobian,
+            None if self.double is None else np.ascontiguousarray(values(self.double)),
         ]
 
     @cached_property
     def _tables(self) -> tuple[Array, Array]:
-        """All of them as splines and as values, for ``gather``."""
-        values = np.concatenate(self._nodes)
-        operator = self.layers.operator
-        return operator.padded(values), operator.on_rows(values)
+        """Densities as splines and as values, for ``gather``."""
+        present = np.concatenate([d for d in self._densities if d is not None])
+        return self.layers.operator.padded(present), self.layers.operator.on_rows(present)
 
-    def far(self, points: Array) -> Array:
-        """The even grid's sums."""
-        out, weights = np.zeros(points.shape), self.layers.operator.weights
-        position, area, single, double = self._nodes
-        if self.single is not None:
+    def add_far(self, points: Array, out: Array) -> None:
+        """Add the even grid's sums to ``out`` (dim, M)."""
+        weights = self.layers.operator.weights
+        position = np.ascontiguousarray(self.layers.points.position)
+        single, double = self._densities
+        if single is not None:
             self._sums.single(points, position, single * weights, out)
-        if self.double is not None:
-            self._sums.double(points, np.zeros_like(out), position, area * weights, double, out)
-        return out
+        if double is not None:
+            zero = np.zeros_like(out)
+            self._sums.double(points, zero, position, self.layers.area * weights, double, out)
 
-    def near(self, point: Array, foot: Array) -> Array:
+    def near(self, window: Window) -> Array:
         """What a window around the nearest point changes: (dim,)."""
-        operator, dim = self.layers.operator, len(point)
-        tangents, _ = _tangents(self.layers.spline, foot[:, None])
-        stretch = np.linalg.norm(area_vector(*tangents)) ** (1 / (dim - 1))
-        gap = np.linalg.norm(point - self.layers.spline.evaluate(foot[:, None])[:, 0])
-        table = operator.table(operator.nodes.near(foot, max(float(gap / stretch), 1e-12)))
-        values = table.fields(*self._tables, 4 * dim, targets=1, weighted=False)
-        position, area, single, double = values.reshape(4, dim, -1, 1)
-        weights = np.concatenate([table.weights, table.corrections])[:, None]
-        target, out = np.ascontiguousarray(point[:, None]), np.zeros((dim, 1))
+        dim = len(window.target)
+        count = dim * sum(d is not None for d in self._densities)
+        values = window.table.fields(*self._tables, count, targets=1, weighted=False)
+        parts = list(values.reshape(-1, dim, *values.shape[1:]))
+        out = np.zeros((dim, 1))
         if self.single is not None:
-            self._sums.single_near(target, position, single * weights, out)
+            density = parts.pop(0) * window.weights
+            self._sums.single_near(window.target, window.position, density, out)
         if self.double is not None:
             zero = np.zeros((dim, 1))
-            self._sums.double_near(target, zero, position, area * weights, double, out)
+            sources = window.position, window.area, parts.pop(0)
+            self._sums.double_near(window.target, zero, *sources, out)
         return out[:, 0]

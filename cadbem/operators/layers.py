@@ -1,9 +1,9 @@
-"""Single and double layer of a space: as matrices between functions and targets, or applied."""
+"""Single and double layer of a space as matrices between functions and targets."""
 
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from itertools import product
@@ -12,15 +12,17 @@ import numpy as np
 from threadpoolctl import threadpool_limits
 from tqdm import tqdm
 
-from cadbem.kernels.kernel import Kernel, Layout, Sums
-from cadbem.operators.interactions import Targets, interact, mend
-from cadbem.operators.panels import Panels, split_patch, tensor_nodes
-from cadbem.operators.sinks import MatrixSink, PotentialSink
+from cadbem.kernels.kernel import Kernel
+from cadbem.operators.interactions import Targets, interact
+from cadbem.operators.panels import Panels, split_patch
+from cadbem.operators.sinks import MatrixSink
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
 TARGET_CHUNK = 2048  # targets a task
+
+Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,76 +71,31 @@ def assemble_layers(kernel: Kernel, space: Space, targets: Targets, quadrature: 
     """Compute both layers from a space to targets; on the boundary, principal values."""
     entries = np.zeros((kernel.entries, targets.count, space.count))
 
-    def task(patch: int, panels: Panels, rows: slice) -> None:
+    def work(_: int, task: Task) -> None:
+        patch, panels, rows = task
         shape = panels.surface.weights.shape
         part = entries[:, rows, space.functions(patch)]
         sink = MatrixSink(part.reshape(*part.shape[:2], *shape, copy=False))
         interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
 
-    _run(task, space, targets.count, "boundary integrals")
+    run_tasks(work, tasks(space, targets.count), "boundary integrals")
     return Layers(kernel, space, entries)
 
 
-def potentials(
-    kernel: Kernel,
-    space: Space,
-    targets: Targets,
-    quadrature: Rules,
-    single: Array,
-    double: Array,
-) -> Array:
-    """Both layers' potentials S single + D double at targets: (rows, T), without factors.
-
-    ``single`` and ``double`` (components, F) are coefficients.
-    """
-    layouts: tuple[Layout, Layout] = (kernel.single, kernel.double)
-    results = np.zeros((len(space.boundary.patches), kernel.rows, targets.count))
-
-    def task(patch: int, panels: Panels, rows: slice) -> None:
-        shape = panels.surface.weights.shape
-        part, here = space.functions(patch), targets.part(rows)
-        densities = [d[:, part].reshape(-1, *shape) for d in (single, double)]
-        sink = PotentialSink(results[patch][:, rows], layouts, densities)
-        if kernel.sums is None:
-            interact(kernel, panels, patch, here, quadrature, sink)
-            return
-        results[patch][:, rows] += _summed(kernel.sums, panels, here, quadrature, densities)
-        against = PotentialSink(results[patch][:, rows], layouts, [-d for d in densities])
-        mend(kernel, panels, patch, here, quadrature, sink, against)
-
-    _run(task, space, targets.count, "fields")
-    return results.sum(axis=0)
-
-
-def _summed(
-    sums: Sums, panels: Panels, targets: Targets, quadrature: Rules, densities: Sequence[Array]
-) -> Array:
-    """Both layers' potentials (dim, T) by the lowest tensor rule on all panels."""
-    nodes = tensor_nodes(panels, quadrature.orders(max(panels.surface.degrees))[0])
-    position, normal = nodes.flat
-    at, out = np.ascontiguousarray(targets.position), np.zeros(targets.position.shape)
-    single, double = (nodes.densities(panels, d) for d in densities)
-    if densities[0].any():
-        sums.single(at, position, single, out)
-    if densities[1].any():
-        sums.double(at, np.zeros_like(out), position, normal, double, out)
-    return out
-
-
-def _run(task: Callable[[int, Panels, slice], None], space: Space, count: int, label: str) -> None:
-    """Run a task for each patch and chunk of targets on all cores; results do not overlap."""
+def tasks(space: Space, count: int) -> list[Task]:
+    """Each patch with each chunk of ``count`` targets."""
     panels = [split_patch(p.surface) for p in space.boundary.patches]
     chunks = [slice(k, min(k + TARGET_CHUNK, count)) for k in range(0, count, TARGET_CHUNK)]
-    jobs = list(product(range(len(panels)), chunks))
+    return [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
+
+
+def run_tasks(work: Callable[[int, Task], None], jobs: Sequence[Task], label: str) -> None:
+    """Do ``work(number, task)`` on all cores; what tasks write does not overlap."""
     with threadpool_limits(1), ThreadPoolExecutor(os.cpu_count()) as pool:
-        futures = [pool.submit(task, i, panels[i], rows) for i, rows in jobs]
+        futures = [pool.submit(work, k, job) for k, job in enumerate(jobs)]
         try:
-            for future in _progress(futures, label):
+            for future in tqdm(futures, desc=label, delay=2.0, leave=False, disable=None):
                 future.result()
         except BaseException:
             pool.shutdown(wait=False, cancel_futures=True)
             raise
-
-
-def _progress(futures: list, label: str) -> Iterable:
-    return tqdm(futures, desc=label, delay=2.0, leave=False, disable=None)

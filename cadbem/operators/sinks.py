@@ -1,9 +1,10 @@
-"""Where contributions of panels go: matrices of a kernel, or potentials of given densities."""
+"""Where contributions of panels go: matrices of a kernel, potentials of given densities, or a
+record that gives potentials of any densities later."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
@@ -69,3 +70,32 @@ class PotentialSink:
             for i, row in enumerate(layout):
                 for j, entry in enumerate(row):
                     np.add.at(self.result[i], rows, (values[:, entry] * local[j]).sum(axis=(1, 2)))
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """Keeps contributions, multiplied by ``sign``, to give potentials again and again."""
+
+    sign: float = 1.0
+    blocks: list[tuple[slice | Index, Array, slice, slice]] = field(default_factory=list)
+    rows_of_pairs: list[tuple[Index, Index, Index, Array]] = field(default_factory=list)
+
+    @property
+    def negative(self) -> Record:
+        """A sink that takes away from the same record."""
+        return Record(-self.sign, self.blocks, self.rows_of_pairs)
+
+    def block(
+        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
+    ) -> None:
+        self.blocks.append((rows, self.sign * (table @ basis), part_u, part_v))
+
+    def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
+        self.rows_of_pairs.append((rows, first_u, first_v, self.sign * values))
+
+    def replay(self, sink: Sink) -> None:
+        """Give everything to another sink."""
+        for rows, table, part_u, part_v in self.blocks:
+            sink.block(rows, table, np.eye(table.shape[2]), part_u, part_v)
+        for pairs in self.rows_of_pairs:
+            sink.pairs(*pairs)

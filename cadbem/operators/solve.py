@@ -24,13 +24,17 @@ class DenseFactors:
 
         ``constraints`` (k,) are the right sides of a border's rows.
         """
+        return self.solve_bordered(right, constraints)[0]
+
+    def solve_bordered(self, right: Array, constraints: Array | float) -> tuple[Array, Array]:
+        """The unknowns, and the factors (k[, M]) of a border's fields."""
         equations, count = right.shape[0] * right.shape[1], self.shape[0] * self.shape[1]
         columns = np.empty((len(self.factors[1]), *right.shape[2:]))
         columns[:equations] = right.reshape(equations, *right.shape[2:])
         columns[equations:] = constraints
         # the factors are those of the transposed matrix, which saved a copy
-        unknowns = lu_solve(self.factors, columns, trans=1)[:count]
-        return unknowns.reshape(*self.shape, *right.shape[2:])
+        solution = lu_solve(self.factors, columns, trans=1)
+        return solution[:count].reshape(*self.shape, *right.shape[2:]), solution[count:]
 
 
 @dataclass(frozen=True, eq=False)

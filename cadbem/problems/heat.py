@@ -12,7 +12,8 @@ from scipy.linalg import block_diag
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.kernel import Kernel
-from cadbem.operators.layers import Layers, assemble_layers, collocation_targets, potentials
+from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
+from cadbem.operators.potentials import Potentials
 from cadbem.problems.heat_conditions import (
     HeatCondition,
     HeatFlux,
@@ -115,7 +116,7 @@ class HeatProblem:
             return 0.0
         kernel, targets = self.source_kernels.value, collocation_targets(self.space)
         ones = np.full((1, self.space.count), 1 / self.conductivity)
-        return potentials(kernel, self.space, targets, self.quadrature, 0 * ones, ones)
+        return Potentials(kernel, self.space, targets, self.quadrature).apply(0 * ones, ones)
 
     def _radiating(self) -> list[int]:
         """Patches whose condition is not linear."""

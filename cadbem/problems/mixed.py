@@ -17,8 +17,9 @@ from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import Layers, potentials
+from cadbem.operators.layers import Layers
 from cadbem.operators.locate import locate
+from cadbem.operators.potentials import Potentials
 from cadbem.operators.solve import Border, DenseFactors, factorise
 from cadbem.points import SurfacePoints
 from cadbem.quadrature import Rules
@@ -131,7 +132,7 @@ def represent(
     inside = owner < 0
     result = np.empty((kernel.rows, position.shape[1]))
     targets = Targets.free(np.ascontiguousarray(position[:, inside]))
-    result[:, inside] = potentials(kernel, space, targets, quadrature, single, double)
+    result[:, inside] = Potentials(kernel, space, targets, quadrature).apply(single, double)
     if far_away is not None:
         result[:, inside] += far_away(position[:, inside])
     for patch in np.unique(owner[~inside]):

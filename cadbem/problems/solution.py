@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
+from cadbem.operators.potentials import Potentials
 from cadbem.points import moment
 from cadbem.problems.conditions import Background
 from cadbem.problems.mixed import patches_named, represent
@@ -50,10 +51,24 @@ class StokesSolution:
         zero outside.  The ``quadrature`` is the problem's if none is given.
         """
         kernel, _ = stokes_kernels(self.space.boundary.dimension)
-        inside = 2 * kernel.free_term
-        factor = -1 / (inside * self.problem.viscosity), 1 / inside
-        far_away = self.background.velocity_at
+        far_away, factor = self.background.velocity_at, self._velocity_factors
         return self._at(kernel, points, quadrature, factor, self.velocity.on_patch, far_away)
+
+    @property
+    def _velocity_factors(self) -> tuple[float, float]:
+        inside = 2 * stokes_kernels(self.space.boundary.dimension)[0].free_term
+        return -1 / (inside * self.problem.viscosity), 1 / inside
+
+    def velocity_by(self, potentials: Potentials) -> Array:
+        """Velocity (dim, M) at the targets, off the boundary, of ``potentials`` of the velocity's
+        kernel, which other solutions of the same problem can share."""
+        far_away = self.background.velocity_at(potentials.targets.position)
+        return far_away + potentials.apply(*self._densities(self._velocity_factors))
+
+    def _densities(self, factor: tuple[float, float]) -> tuple[Array, Array]:
+        """Coefficients (dim, F) of the single and the double layer."""
+        double = np.where(self.problem.thin, 0.0, self.velocity.coefficients)
+        return factor[0] * self.traction.coefficients, factor[1] * double
 
     def pressure_at(self, points: ArrayLike, quadrature: Rules | None = None) -> Array:
         """Pressure (M,) at points (dim, M) in the fluid or on its boundary.
@@ -75,8 +90,7 @@ class StokesSolution:
         on_patch: Callable[..., Array],
         far_away: Callable[[Array], Array],
     ) -> Array:
-        single = factor[0] * self.traction.coefficients
-        double = factor[1] * np.where(self.problem.thin, 0.0, self.velocity.coefficients)
+        single, double = self._densities(factor)
         quadrature = quadrature or self.problem.quadrature
         return represent(
             kernel, self.space, points, quadrature, single, double, on_patch, far_away

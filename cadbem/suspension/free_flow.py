@@ -1,15 +1,15 @@
-"""Droplets in unbounded fluid."""
+"""Bodies in unbounded fluid."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
+import numpy as np
+
 from cadbem.errors import ConditionError
-from cadbem.operators.closed import ClosedLayers
 from cadbem.spline.basis import Array
-from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.flows import BackgroundFlow
-from cadbem.suspension.together import Induced, Response, respond_together
+from cadbem.suspension.surroundings import Nearest
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,14 +27,30 @@ class FreeFlow:
         if not self.viscosity > 0:
             raise ConditionError(f"viscosity {self.viscosity}: give a positive number")
 
-    def velocity(self, points: Array, induced: Induced) -> Array:
-        """Velocity (dim, M) at points (dim, M) without any droplet."""
-        return self.background.velocity(points)
+    @property
+    def walls(self) -> None:
+        """None."""
+        return None
 
-    def reflected(self, points: Array, induced: Induced) -> float:
-        """Nothing: there are no walls."""
-        return 0.0
+    def at(self, points: Array) -> _Undisturbed:
+        """The flow at points (dim, M)."""
+        return _Undisturbed(self.background, points)
 
-    def respond(self, droplet: Droplet, layers: ClosedLayers) -> Response:
-        """The velocity of one droplet's interface."""
-        return respond_together(self, [droplet], [layers])[0]
+    def nearest(self, points: Array, reach: float) -> Nearest:
+        """Nothing."""
+        count = points.shape[1]
+        return Nearest(np.full(count, np.inf), [""] * count, np.zeros(count, dtype=bool))
+
+
+@dataclass(frozen=True, eq=False)
+class _Undisturbed:
+    """See ``Incident``."""
+
+    background: BackgroundFlow
+    points: Array
+
+    def velocity(self, induced: Array | None) -> Array:
+        return self.background.velocity(self.points)
+
+    def reflected(self, induced: Array) -> Array:
+        return np.zeros(self.points.shape)

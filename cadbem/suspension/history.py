@@ -13,7 +13,7 @@ from cadbem.errors import ShapeError
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.measures import area, taylor_deformation
-from cadbem.suspension.simulation import State
+from cadbem.suspension.state import State
 from cadbem.suspension.volume import volume
 
 

@@ -1,89 +1,36 @@
-"""Droplets moving in time: velocities, steps, repairs, and when to stop."""
+"""Bodies moving in time: velocities, steps, repairs, and when to stop."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 from tqdm import tqdm
 
-from cadbem.closed_points import collocation_grid
 from cadbem.errors import ConditionError, ShapeError
-from cadbem.operators.closed import ClosedLayers, closed_operator
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
-from cadbem.spline.closed import ClosedSpline
+from cadbem.suspension.body import Body, Placed
+from cadbem.suspension.closeness import Contact, Gap, StopAtGap, check_start
 from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.fields import velocity_at
-from cadbem.suspension.measures import Measures, measure
-from cadbem.suspension.mesh import RelaxMesh, stretches, unresolved
+from cadbem.suspension.mesh import RelaxMesh
 from cadbem.suspension.motion import Motion, affine_velocity
+from cadbem.suspension.state import State
 from cadbem.suspension.stepping import Adaptive, Step, Stepper
-from cadbem.suspension.together import Response, Surroundings, respond_together
-from cadbem.suspension.volume import CorrectVolume, volume
+from cadbem.suspension.surroundings import Surroundings
+from cadbem.suspension.together import respond_together
+from cadbem.suspension.volume import CorrectVolume
 
-RATE_MARGIN = 1.15  # of the fastest relaxation: splines make short waves a little stiffer
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
-
-
-@dataclass(frozen=True, eq=False)
-class State:
-    """The ``droplets`` at a ``time`` and how they got there: accepted ``steps`` and
-    ``evaluations`` of the velocities so far, the ``length`` of the last step, and ``drift``, the
-    largest relative error of a volume that it made, before correction.
-
-    ``stopped`` is empty, or says why a run ended early.
-    """
-
-    simulation: Simulation
-    time: float
-    droplets: tuple[Droplet, ...]
-    steps: int = 0
-    evaluations: int = 0
-    length: float = 0.0
-    drift: float = 0.0
-    stopped: str = ""
-
-    @property
-    def droplet(self) -> Droplet:
-        """The first droplet, of most runs the only one."""
-        return self.droplets[0]
-
-    @cached_property
-    def layers(self) -> list[ClosedLayers]:
-        """Each interface's layers."""
-        return [self.simulation.layers(d.shape) for d in self.droplets]
-
-    @cached_property
-    def responses(self) -> list[Response]:
-        """The velocity of each interface and the traction jump across it."""
-        return respond_together(self.simulation.flow, self.droplets, self.layers)
-
-    @property
-    def response(self) -> Response:
-        """That of the first droplet."""
-        return self.responses[0]
-
-    def velocity_at(self, points: ArrayLike) -> Array:
-        """Velocity (dim, M) of the fluids at points (dim, M) inside and outside the droplets."""
-        return velocity_at(self.simulation.flow, self.droplets, self.layers, self.responses, points)
-
-    @cached_property
-    def measures(self) -> list[Measures]:
-        """Deformation, inclination, volume, energies, mesh quality and more, of each droplet."""
-        flow = self.simulation.flow
-        return [
-            measure(d.shape, r.velocity, r.jump, flow.background, flow.viscosity, d.viscosity_ratio)
-            for d, r in zip(self.droplets, self.responses, strict=True)
-        ]
+COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
 @dataclass(frozen=True, eq=False)
 class _Point:
-    """A state with the slope of its coefficients (of all droplets, flat) there."""
+    """A state with the slope of its coordinates (of all bodies, flat) there."""
 
     state: State
     slope: Array
@@ -91,191 +38,200 @@ class _Point:
 
 @dataclass(frozen=True, eq=False)
 class Simulation:
-    """One droplet or several in a ``flow``, unbounded or in a channel.
+    """One body or several, droplets and rigid particles, in a ``flow``, unbounded or in a channel.
 
-    ``stepper`` advances in time; ``motion`` chooses how points move along the surface; ``volume``
-    and ``mesh`` repair the shape after each step, or do not (None); ``rule`` integrates over the
-    surface.
+    ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
+    ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
+    ``contact`` says what happens in narrow gaps.  Bodies that reach an opening of the channel have
+    left and are taken out; the run ends with the last.
     """
 
     flow: Surroundings
-    bodies: Droplet | Sequence[Droplet]
+    bodies: Body | Sequence[Body]
     stepper: Stepper = Adaptive()
     motion: Motion = affine_velocity
     volume: CorrectVolume | None = CorrectVolume()
     mesh: RelaxMesh | None = None
     rule: SelfRule = PolarRule()
+    contact: Contact = StopAtGap()
 
     @cached_property
-    def droplets(self) -> tuple[Droplet, ...]:
-        """The droplets at the beginning."""
-        return (self.bodies,) if isinstance(self.bodies, Droplet) else tuple(self.bodies)
+    def start(self) -> State:
+        """The state at time 0."""
+        bodies = tuple(self.bodies) if isinstance(self.bodies, Sequence) else (self.bodies,)
+        return State(self, 0.0, bodies, tuple(range(1, len(bodies) + 1)))
 
     @property
     def droplet(self) -> Droplet:
-        """The first droplet."""
-        return self.droplets[0]
+        """The first droplet at the beginning."""
+        return self.start.droplet
 
-    def layers(self, shape: ClosedSpline) -> ClosedLayers:
-        """Layers of a shape, integrated as finely as its stretch asks for.
-
-        Raises ShapeError for a shape that is not finite, or folded.
-        """
-        low, high = stretches(collocation_grid(shape.basis).points(shape))
-        if not np.isfinite(high).all() or not (low > 0).all():
-            raise ShapeError("a droplet's shape has points that are not finite, or coincide")
-        rule = self.rule.suited(float((high / low).max()))
-        return ClosedLayers(closed_operator(shape.basis, rule), shape)
+    def respond(self, placed: Sequence[Placed]) -> list[Any]:
+        """The response of each body."""
+        return respond_together(self.flow, placed, self.contact)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
 
-        A shape that can no longer be resolved ends the run early: the last state is the last
-        sound one, and its ``stopped`` tells why.
+        What can no longer be resolved ends the run early: the last state is the last sound one,
+        and its ``stopped`` tells why.  Raises ConditionError for bodies that are not inside the
+        channel, or overlap.
         """
         if not end > 0 or every is not None and not every > 0:
             raise ShapeError(f"run(end={end}, every={every}): times must be positive")
+        check_start(self.flow, self.start.placed, self.start.numbers)
+        yield self.start
+        wanted = _multiples(end, every)
         with tqdm(total=end, desc="time", delay=2.0, leave=False, disable=None) as bar:
-            points = self._march(end)
-            last = next(points)
-            yield last.state
-            wanted = _multiples(end, every)
-            for point in points:
-                bar.update(max(point.state.time - bar.n, 0.0))
-                while wanted and wanted[0] < point.state.time * (1 - 1e-12):
-                    yield self._between(last, point, wanted.pop(0))
-                due = bool(wanted) and wanted[0] <= point.state.time * (1 + 1e-12)
-                if every is None or point.state.stopped or due:
+            for before, after in self._march(end):
+                state = after.state
+                bar.update(max(state.time - bar.n, 0.0))
+                while wanted and wanted[0] < state.time * (1 - 1e-12):
+                    yield self._between(before, after, wanted.pop(0))
+                due = bool(wanted) and wanted[0] <= state.time * (1 + 1e-12)
+                if every is None or state.stopped or due:
                     wanted = wanted[1:]
-                    yield point.state
-                last = point
+                    yield state
 
-    def _march(self, end: float) -> Iterator[_Point]:
+    def _march(self, end: float) -> Iterator[tuple[_Point, _Point]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
-        state = State(self, 0.0, self.droplets)
-        point = _Point(state, self._slope(state.droplets, state.layers))
-        length = self.stepper.first_length(self.fastest(state))
-        yield point
+        point = _Point(self.start, self._slope(self.start))
+        length = self.stepper.first_length(self.fastest(self.start))
         while point.state.time < end * (1 - 1e-12):
             length = min(length, end - point.state.time)
-            point, length = self._step(point, length, SMALLEST_STEP * end)
-            yield point
-            if point.state.stopped:
+            after, length = self._step(point, length, SMALLEST_STEP * end)
+            yield point, after
+            if after.state.stopped:
                 return
+            point = self._without_left(after)
 
     def _step(self, point: _Point, length: float, smallest: float) -> tuple[_Point, float]:
         """The next accepted point, and the length that the step after it may have."""
         state, largest = point.state, self.fastest(point.state)
         length, evaluations = min(length, self.stepper.bound(largest)), state.evaluations
-        start = _flat([d.shape.coefficients for d in state.droplets])
         while length > smallest:
             try:
-                step = self.stepper.attempt(self._rate, start, point.slope, length, largest)
+                step = self.stepper.attempt(
+                    lambda flat: self._slope(_moved(state, flat)),
+                    _coordinates(state), point.slope, length, largest,
+                )  # fmt: skip
+                evaluations += step.evaluations
+                accepted, following = self.stepper.next_length(length, self._error(state, step))
+                if accepted:
+                    after = self._accept(state, step, length, evaluations)
+                    if not _collides(state, after.state):
+                        return after, following
+                    following = length / 2
             except (ShapeError, ConditionError):
-                length /= 4
-                continue
-            evaluations += step.evaluations
-            accepted, following = self.stepper.next_length(length, self._error(step.error))
-            if accepted:
-                return self._accept(point, step, length, evaluations), following
+                following = length / 4
             length = following
         reason = (
             f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
-            "up, or its shape needs more points"
+            "up, or bodies come too close; take more points"
         )
         return replace(point, state=replace(state, stopped=reason)), length
 
-    def _accept(self, point: _Point, step: Step, length: float, evaluations: int) -> _Point:
+    def _accept(self, old: State, step: Step, length: float, evaluations: int) -> _Point:
         """The point that a step leads to, repaired; the old one, stopped, if it is not sound."""
-        old = point.state
-        moved = self._moved(step.state)
-        drifts = [volume(d.shape) / v - 1 for d, v in zip(moved, self._volumes, strict=True)]
-        state = State(
-            self, old.time + length, self._repaired(moved, relax=True), old.steps + 1,
-            evaluations, length, max(drifts, key=abs),
+        moved = _moved(old, step.state)
+        drifts = [b.drift(start) for b, start in self._with_starts(moved)]
+        state = replace(
+            moved, time=old.time + length, bodies=self._repaired(moved, self.mesh),
+            steps=old.steps + 1, evaluations=evaluations, length=length,
+            drift=max(drifts, key=abs),
         )  # fmt: skip
-        for d in state.droplets:
-            reason = unresolved(collocation_grid(d.shape.basis).points(d.shape))
-            if reason:
-                stopped = f"{reason}, at time {state.time:.6g}"
-                return replace(point, state=replace(old, stopped=stopped))
+        reasons = [b.unresolved() for b in state.bodies]
+        reasons += [self.contact.reason(gap) for gap in state.gaps]
+        if any(reasons):
+            stopped = f"{next(filter(None, reasons))}, at time {state.time:.6g}"
+            return _Point(replace(old, stopped=stopped), np.empty(0))
+        state = replace(state, left=old.left | _leaving(state))
+        if all(n in state.left for n in state.numbers):
+            state = replace(state, stopped="; ".join(state.left.values()))
         if step.slope is None or self.mesh is not None:
             state = replace(state, evaluations=evaluations + 1)
-            return _Point(state, self._slope(state.droplets, state.layers))
+            return _Point(state, self._slope(state))
         return _Point(state, step.slope)
 
-    def _repaired(self, droplets: Sequence[Droplet], relax: bool) -> tuple[Droplet, ...]:
-        """Droplets with the right volume, and their points relaxed."""
-        repaired = []
-        for d, target in zip(droplets, self._volumes, strict=True):
-            shape = d.shape if self.volume is None else self.volume.apply(d.shape, target)
-            if relax and self.mesh is not None:
-                shape = self.mesh.relaxed(shape, d.viscosity_ratio)
-            repaired.append(d.moved(shape))
-        return tuple(repaired)
+    def _without_left(self, point: _Point) -> _Point:
+        """The point without bodies that have left."""
+        state = point.state
+        stay = [i for i, n in enumerate(state.numbers) if n not in state.left]
+        if len(stay) == len(state.numbers):
+            return point
+        bodies = tuple(state.bodies[i] for i in stay)
+        state = replace(state, bodies=bodies, numbers=tuple(state.numbers[i] for i in stay))
+        return _Point(state, self._slope(state))
 
-    @cached_property
-    def _volumes(self) -> list[float]:
-        return [volume(d.shape) for d in self.droplets]
+    def _with_starts(self, state: State) -> list[tuple[Body, Body]]:
+        """Each body, and what it was at the beginning."""
+        starts = [self.start.bodies[n - 1] for n in state.numbers]
+        return list(zip(state.bodies, starts, strict=True))
 
-    def _moved(self, flat: Array) -> tuple[Droplet, ...]:
-        """The droplets with the coefficients of a flat array."""
-        shapes = [d.shape.coefficients.shape for d in self.droplets]
-        parts = np.split(flat, np.cumsum([np.prod(s) for s in shapes])[:-1].astype(int))
-        return tuple(
-            d.moved(replace(d.shape, coefficients=part.reshape(shape)))
-            for d, part, shape in zip(self.droplets, parts, shapes, strict=True)
-        )
+    def _repaired(self, state: State, mesh: RelaxMesh | None) -> tuple[Body, ...]:
+        """Bodies with the right volume, and their points relaxed."""
+        return tuple(b.repaired(start, self.volume, mesh) for b, start in self._with_starts(state))
 
-    def _error(self, flat: Array) -> float:
-        """Largest error of a point, relative to its droplet's size."""
-        shares = [
-            float(np.linalg.norm(d.shape.coefficients, axis=0).max()) / v ** (1 / d.shape.dimension)
-            for d, v in zip(self._moved(flat), self._volumes, strict=True)
-        ]
-        return max(shares)
+    def _error(self, state: State, step: Step) -> float:
+        """Largest error of a body, relative to its size."""
+        parts = np.split(step.error, _ends(state))
+        return max(b.error(part) for b, part in zip(state.bodies, parts, strict=True))
 
-    def _slope(self, droplets: Sequence[Droplet], layers: Sequence[ClosedLayers]) -> Array:
-        """Rate of change of all coefficients, flat."""
-        responses = respond_together(self.flow, droplets, layers)
-        pairs = zip(layers, responses, strict=True)
-        return _flat([self.motion(of, r.velocity) for of, r in pairs])
-
-    def _rate(self, flat: Array) -> Array:
-        """Rate of change of a flat array of coefficients; ShapeError if it cannot be told."""
-        droplets = self._moved(flat)
-        return self._slope(droplets, [self.layers(d.shape) for d in droplets])
+    def _slope(self, state: State) -> Array:
+        """Rate of change of all coordinates, flat."""
+        pairs = zip(state.placed, state.responses, strict=True)
+        return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
 
     def fastest(self, state: State) -> float:
-        """Rate at which the shortest waves that the points carry relax, at most.
-
-        A wave of number k on a flat interface decays at stiffness(k) / (2 μ (1 + λ) k).
-        """
-        rates = []
-        for d, of in zip(state.droplets, state.layers, strict=True):
-            low, high = stretches(of.targets)
-            across = 1 / low if d.shape.dimension == 2 else np.hypot(1 / low, 1 / high)
-            wave_number = d.shape.basis.shape[-1] / 2 * float(across.max())
-            viscosities = self.flow.viscosity * (1 + d.viscosity_ratio)
-            rates.append(d.interface.stiffness(wave_number) / (2 * viscosities * wave_number))
-        return RATE_MARGIN * max(rates)
+        """Rate at which the shortest waves that the points carry relax, at most."""
+        return max(p.fastest(self.flow.viscosity) for p in state.placed)
 
     def _between(self, before: _Point, after: _Point, time: float) -> State:
         """The state at a time within a step, by cubic Hermite interpolation."""
         start, end = before.state, after.state
         length = end.time - start.time
         s = (time - start.time) / length
-        x0, x1 = (_flat([d.shape.coefficients for d in x.droplets]) for x in (start, end))
         flat = (
-            (1 + 2 * s) * (1 - s) ** 2 * x0
-            + s**2 * (3 - 2 * s) * x1
+            (1 + 2 * s) * (1 - s) ** 2 * _coordinates(start)
+            + s**2 * (3 - 2 * s) * _coordinates(end)
             + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
         )
-        return replace(end, time=time, droplets=self._repaired(self._moved(flat), relax=False))
+        state = replace(_moved(end, flat), time=time)
+        return replace(state, bodies=self._repaired(state, None))
 
 
-def _flat(arrays: Sequence[Array]) -> Array:
-    return np.concatenate([a.ravel() for a in arrays])
+def _coordinates(state: State) -> Array:
+    return np.concatenate([b.coordinates for b in state.bodies])
+
+
+def _ends(state: State) -> Array:
+    """Where one body's coordinates end and the next one's begin."""
+    return np.cumsum([b.coordinates.size for b in state.bodies])[:-1]
+
+
+def _moved(state: State, flat: Array) -> State:
+    """The state with the coordinates of a flat array."""
+    parts = np.split(flat, _ends(state))
+    bodies = [b.at(part) for b, part in zip(state.bodies, parts, strict=True)]
+    return replace(state, bodies=tuple(bodies))
+
+
+def _collides(before: State, after: State) -> bool:
+    """Whether a step made surfaces overlap, or a narrow gap less than half as wide."""
+    widths: dict[int, Gap] = {gap.body: gap for gap in before.gaps}
+    return any(
+        gap.length <= 0 or gap.share < COMFORTABLE and gap.length < widths[gap.body].length / 2
+        for gap in after.gaps
+    )
+
+
+def _leaving(state: State) -> dict[int, str]:
+    """Bodies that have reached an opening, by their number, and what to say of them."""
+    return {
+        gap.body: f"body {gap.body} left through '{gap.opening}' at time {state.time:.4g}"
+        for gap in state.gaps
+        if gap.at_opening
+    }
 
 
 def _multiples(end: float, every: float | None) -> list[float]:

@@ -1,209 +1,196 @@
-"""Droplets together: the velocities of several interfaces in one flow.
+"""Bodies together: droplets and rigid particles that feel each other and walls.
 
-Outside itself droplet j makes the velocity
-
-    V_j(x) = (-S_j[Δf_j] / μ + (1 - λ_j) D_j[u_j]) / 2h
-
-(h as in ``interface_equation``).  What droplet i feels as u∞ is the flow without droplets, the
-V_j of the others, and what walls make of all V_j.  The equations of all droplets are solved at
-once, by GMRES; for λ = 1 nothing is left to solve.
+Each has an equation A w = b + L[u∞] (see ``body``), where u∞ is the flow without bodies, what the
+others make, and what walls make of all.  Those whose fields depend on w are solved at once, by
+GMRES; the others, such as droplets with λ = 1, then only need to be asked.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Protocol
+from typing import Any
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from cadbem.errors import ConditionError
-from cadbem.operators.closed import ClosedLayers
-from cadbem.operators.closed_field import off_surface
 from cadbem.spline.basis import Array
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import BackgroundFlow
+from cadbem.suspension.body import NOTHING, Densities, Equation, Placed, Push, Seen
+from cadbem.suspension.closeness import Contact, StopAtGap, push
+from cadbem.suspension.droplet import PlacedDroplet
 from cadbem.suspension.interface import Jump
-from cadbem.suspension.interface_equation import InterfaceEquation
+from cadbem.suspension.surroundings import Incident, Surroundings
 
 SOLVER_TOLERANCE = 1e-8
+NO_PUSH = StopAtGap()
 
-Induced = Callable[[Array], Array]
-
-
-class Surroundings(Protocol):
-    """The fluid that droplets are in."""
-
-    @property
-    def viscosity(self) -> float:
-        """Viscosity of the fluid outside the droplets."""
-
-    @property
-    def background(self) -> BackgroundFlow | None:
-        """The flow far away, if the fluid is unbounded."""
-
-    @property
-    def deflated(self) -> bool:
-        """Whether to deflate the equations."""
-
-    def velocity(self, points: Array, induced: Induced) -> Array:
-        """Velocity (dim, M) at points (dim, M): the flow without droplets, and what walls add to
-        the one that droplets make, ``induced(points)``."""
-
-    def reflected(self, points: Array, induced: Induced) -> Array | float:
-        """What walls add alone."""
-
-
-@dataclass(frozen=True, eq=False)
-class Response:
-    """An interface's ``velocity``, coefficients (dim, *shape), the ``jump`` that goes with it, and
-    the number of ``iterations`` that the equations took."""
-
-    velocity: Array
-    jump: Jump
-    iterations: int
+Numbers = tuple[int, ...]
 
 
 def respond_together(
-    surroundings: Surroundings,
-    droplets: Sequence[Droplet],
-    layers: Sequence[ClosedLayers],
-) -> list[Response]:
-    """The velocities of all interfaces.
+    surroundings: Surroundings, bodies: Sequence[Placed], contact: Contact = NO_PUSH
+) -> list[Any]:
+    """The response of each of several bodies, which a ``contact`` rule may push apart.
 
-    Raises ConditionError where GMRES fails, and for several droplets of which one has an
-    interface law with an unknown of its own.
+    Raises ConditionError when the iteration fails, or when two laws have an unknown of their own.
     """
-    together = _Together(surroundings, droplets, layers)
-    counts: list[int] = []
-
-    def velocities(jumps: Sequence[Jump]) -> list[Array]:
-        found, count = together.solve(jumps)
-        counts.append(count)
-        return found
-
-    if len(droplets) == 1:
-        law = droplets[0].interface
-        velocity, jump = law.close(layers[0], lambda jump: velocities([jump])[0])
-        return [Response(velocity, jump, sum(counts))]
-    jumps = [_explicit_jump(d, of) for d, of in zip(droplets, layers, strict=True)]
-    found = velocities(jumps)
-    return [Response(u, j, counts[0]) for u, j in zip(found, jumps, strict=True)]
+    meeting = Meeting(surroundings, tuple(bodies), contact)
+    for i, body in enumerate(bodies):
+        if isinstance(body, PlacedDroplet) and body.jump is None:
+            return _close(meeting, i, body)
+    return meeting.solve({})
 
 
-def made_outside(
-    layers: ClosedLayers, single: Array | None, double: Array | None, points: Array
-) -> Array:
-    """(S[q] + D[u]) / 2h at points (dim, M) off an interface, q and u given by coefficients."""
-    if single is None and double is None:
-        return np.zeros_like(points)
-    return off_surface(layers, single, double, points) / (2 * layers.free_term)
+def _close(meeting: Meeting, number: int, body: PlacedDroplet) -> list[Any]:
+    """Responses when one droplet's law has an unknown of its own."""
 
+    def velocity(jump: Jump) -> Array:
+        return meeting.solve({number: jump})[number].velocity
 
-def _explicit_jump(droplet: Droplet, layers: ClosedLayers) -> Jump:
-    """The jump of a law that needs to know the shape only."""
-    if not hasattr(droplet.interface, "jump_of"):
-        raise ConditionError(
-            f"{type(droplet.interface).__name__} has an unknown of its own, which is solved for "
-            "one droplet alone; give several droplets SurfaceTension or Bending"
-        )
-    return droplet.interface.jump_of(layers)
+    _, jump = body.body.interface.close(body.layers, velocity)
+    return meeting.solve({number: jump})
 
 
 @dataclass(frozen=True, eq=False)
-class _Together:
+class Meeting:
+    """Bodies at one moment, and what they see of each other, which is worked out once."""
+
     surroundings: Surroundings
-    droplets: Sequence[Droplet]
-    layers: Sequence[ClosedLayers]
+    bodies: tuple[Placed, ...]
+    contact: Contact = NO_PUSH
+    _views: dict[tuple[int, Numbers], Seen] = field(default_factory=dict)
+    _incidents: dict[Numbers, Incident] = field(default_factory=dict)
+
+    def solve(self, jumps: dict[int, Jump]) -> list[Any]:
+        """Responses, with given jumps of some of the bodies."""
+        viscosity, deflated = self.surroundings.viscosity, self.surroundings.deflated
+        equations = [
+            b.equation(viscosity, deflated, self._push(i), jumps.get(i))
+            for i, b in enumerate(self.bodies)
+        ]
+        return _System(self, equations).responses()
+
+    def _push(self, number: int) -> Push | None:
+        return push(self.surroundings, self.bodies, number, self.contact)
+
+    def velocity_at_walls(self, densities: Sequence[Densities]) -> Array:
+        """What bodies make at the walls' points (dim, W)."""
+        return self.made(densities, tuple(range(len(self.bodies))), ())[0]
+
+    def made(
+        self, densities: Sequence[Densities], sources: Numbers, receivers: Numbers
+    ) -> tuple[Array, list[Array]]:
+        """What ``sources`` make at the walls (dim, W), and at the targets of others among the
+        ``receivers`` (dim, N) each."""
+        walls = np.zeros(self._walls.shape)
+        felt = [np.zeros(self.bodies[i].targets.shape) for i in receivers]
+        for j in sources:
+            others = tuple(i for i in receivers if i != j)
+            parts = [walls] + [f for i, f in zip(receivers, felt, strict=True) if i != j]
+            if any(part.size for part in parts):
+                velocity = self._view(j, others).velocity(densities[j])
+                for part, share in zip(parts, _split(velocity, parts), strict=True):
+                    part += share
+        return walls, felt
 
     @cached_property
-    def _equations(self) -> list[InterfaceEquation]:
+    def _walls(self) -> Array:
+        """Points (dim, W) of the walls."""
+        walls = self.surroundings.walls
+        return self.bodies[0].targets[:, :0] if walls is None else walls
+
+    def _view(self, source: int, receivers: Numbers) -> Seen:
+        """A body as seen from the walls and from others' targets."""
+        key = source, receivers
+        if key not in self._views:
+            points = [self._walls, *(self.bodies[i].targets for i in receivers)]
+            self._views[key] = self.bodies[source].seen_from(np.concatenate(points, axis=1))
+        return self._views[key]
+
+    def incident(self, receivers: Numbers) -> Incident:
+        """The surroundings at some bodies' targets."""
+        if receivers not in self._incidents:
+            points = np.concatenate([self.bodies[i].targets for i in receivers], axis=1)
+            self._incidents[receivers] = self.surroundings.at(points)
+        return self._incidents[receivers]
+
+
+@dataclass(frozen=True, eq=False)
+class _System:
+    """The equations of all bodies of a meeting."""
+
+    meeting: Meeting
+    equations: Sequence[Equation]
+
+    @property
+    def _all(self) -> Numbers:
+        return tuple(range(len(self.equations)))
+
+    @cached_property
+    def _coupled(self) -> Numbers:
+        """Bodies whose fields depend on their unknowns."""
+        return tuple(i for i in self._all if self.equations[i].couples)
+
+    def responses(self) -> list[Any]:
+        """Solve, and tell each body what became of it."""
+        unknowns, iterations = self._rights(), 0
+        if self._coupled:
+            found, iterations = self._iterate([unknowns[i] for i in self._coupled])
+            for i, w in zip(self._coupled, found, strict=True):
+                unknowns[i] = w
+            rest = tuple(i for i in self._all if i not in self._coupled)
+            for i, felt in zip(rest, self._felt(unknowns, rest), strict=True):
+                unknowns[i] = unknowns[i] + self.equations[i].answer(felt)
+        pairs = zip(self.equations, unknowns, strict=True)
+        return [e.response(w, iterations) for e, w in pairs]
+
+    def _rights(self) -> list[Array]:
+        """b + L[u∞] of each equation, with the flow without bodies and what loads make."""
+        loads = [e.load for e in self.equations]
+        sources = tuple(i for i in self._all if loads[i] is not NOTHING)
+        walls, felt = self.meeting.made(loads, sources, self._all)
+        incident = self.meeting.incident(self._all).velocity(walls if sources else None)
         return [
-            InterfaceEquation(of, d.viscosity_ratio, self.surroundings.deflated)
-            for d, of in zip(self.droplets, self.layers, strict=True)
+            e.start + e.answer(part + made)
+            for e, part, made in zip(
+                self.equations, self._split(incident, self._all), felt, strict=True
+            )
         ]
 
-    @cached_property
-    def _targets(self) -> list[Array]:
-        return [of.targets.position for of in self.layers]
+    def _felt(self, unknowns: Sequence[Array], receivers: Numbers) -> list[Array]:
+        """Velocities (dim, N) at receivers' targets that the unknowns of coupled bodies bring."""
+        if not receivers:
+            return []
+        densities = [NOTHING] * len(self.equations)
+        for i in self._coupled:
+            densities[i] = self.equations[i].densities(unknowns[i])
+        walls, felt = self.meeting.made(densities, self._coupled, receivers)
+        reflected = self.meeting.incident(receivers).reflected(walls)
+        return [a + b for a, b in zip(felt, self._split(reflected, receivers), strict=True)]
 
-    @cached_property
-    def _ends(self) -> list[int]:
-        """Where one droplet's points end and the next one's begin."""
-        return np.cumsum([t.shape[1] for t in self._targets])[:-1].tolist()
-
-    def _incident(
-        self,
-        single: Sequence[Array | None],
-        double: Sequence[Array | None],
-        walls: Callable[[Array, Induced], Array | float],
-    ) -> list[Array]:
-        """What each droplet feels of the others and of ``walls``: [(dim, N), ...].
-
-        Of the layers ∫ G q dS + ∫ u·T·n dS over 2h, q and u given by their coefficients.
-        """
-
-        def made(by: int, points: Array) -> Array:
-            return made_outside(self.layers[by], single[by], double[by], points)
-
-        def induced(points: Array) -> Array:
-            return np.sum([made(j, points) for j in range(len(self.layers))], axis=0)
-
-        everywhere = np.concatenate(self._targets, axis=1)
-        total = np.zeros_like(everywhere) + walls(everywhere, induced)
-        felt = np.split(total, self._ends, axis=1)
-        for i, points in enumerate(self._targets):
-            for j in range(len(self.layers)):
-                if i != j:
-                    felt[i] = felt[i] + made(j, points)
-        return felt
-
-    def solve(self, jumps: Sequence[Jump]) -> tuple[list[Array], int]:
-        """Coefficients of all velocities, and the number of iterations."""
-        rights = self._rights(jumps)
-        if all(e.beta == 0.0 for e in self._equations):
-            pairs = zip(self._equations, rights, strict=True)
-            return [e.recover(right) for e, right in pairs], 0
-        values, count = self._iterate(rights)
-        return [e.recover(w) for e, w in zip(self._equations, values, strict=True)], count
-
-    def _rights(self, jumps: Sequence[Jump]) -> list[Array]:
-        """b (dim, N) of each equation: flow without droplets, and all single layers."""
-        viscosity = self.surroundings.viscosity
-        forces, own = [], []
-        for jump, of in zip(jumps, self.layers, strict=True):
-            at_targets, basis = jump(of.targets), of.operator.basis
-            level = (at_targets * of.targets.normal).sum(axis=0)
-            own.append(of.single(jump(of.points), level) / viscosity)
-            forces.append(basis.fit(at_targets.reshape(-1, *basis.shape)) / -viscosity)
-        felt = self._incident(forces, [None] * len(forces), self.surroundings.velocity)
-        rights = []
-        for e, single, incident in zip(self._equations, own, felt, strict=True):
-            flow = 2 * incident - single / e.layers.free_term
-            rights.append(e.prepared(flow / (1 + e.viscosity_ratio)))
-        return rights
+    def _split(self, values: Array, receivers: Numbers) -> list[Array]:
+        """The parts (dim, N) that belong to each receiver's targets."""
+        return _split(values, [self.meeting.bodies[i].targets for i in receivers])
 
     def _apply(self, values: Sequence[Array]) -> list[Array]:
-        """Left sides of all equations for w (dim, N) of each."""
-        doubles = [
-            None if e.beta == 0.0 else (1 - e.viscosity_ratio) * e.recover(w)
-            for e, w in zip(self._equations, values, strict=True)
-        ]
-        felt = self._incident([None] * len(doubles), doubles, self.surroundings.reflected)
+        """Left sides of the coupled equations for w (dim, N) of each."""
+        unknowns: list[Array] = [np.empty(0)] * len(self.equations)
+        for i, w in zip(self._coupled, values, strict=True):
+            unknowns[i] = np.ascontiguousarray(w)
+        felt = self._felt(unknowns, self._coupled)
+        active = [self.equations[i] for i in self._coupled]
         return [
-            e.apply(w) - e.prepared(2 / (1 + e.viscosity_ratio) * incident)
-            for e, w, incident in zip(self._equations, values, felt, strict=True)
+            e.apply(w) - e.answer(v) for e, w, v in zip(active, values, felt, strict=True)
         ]
 
     def _iterate(self, rights: Sequence[Array]) -> tuple[list[Array], int]:
         residuals: list[float] = []
-        shape = (len(rights[0]), -1)
+        dim = len(rights[0])
 
         def apply(flat: Array) -> Array:
-            values = np.split(flat.reshape(shape), self._ends, axis=1)
-            values = [np.ascontiguousarray(v) for v in values]
+            values = _split(flat.reshape(dim, -1), rights)
             return np.concatenate(self._apply(values), axis=1).ravel()
 
         right = np.concatenate(rights, axis=1).ravel()
@@ -213,9 +200,13 @@ class _Together:
             restart=60, maxiter=5, callback=residuals.append, callback_type="pr_norm",
         )  # fmt: skip
         if failed:
-            ratios = ", ".join(f"{e.viscosity_ratio:g}" for e in self._equations)
             raise ConditionError(
-                f"the velocities of droplets with viscosity ratios {ratios} did not converge: "
-                f"residual {residuals[-1]:.1e} after {len(residuals)} iterations"
+                f"the velocities of {len(rights)} bodies did not converge: residual "
+                f"{residuals[-1]:.1e} after {len(residuals)} iterations; some may touch"
             )
-        return np.split(solution.reshape(shape), self._ends, axis=1), len(residuals)
+        return _split(solution.reshape(dim, -1), rights), len(residuals)
+
+
+def _split(values: Array, like: Sequence[Array]) -> list[Array]:
+    """Parts of an array (dim, ·) with as many columns as those of a list."""
+    return np.split(values, np.cumsum([a.shape[1] for a in like])[:-1], axis=1)

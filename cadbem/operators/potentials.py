@@ -1,0 +1,92 @@
+"""Potentials of given densities at fixed targets, as often as densities change.
+
+What depends on geometry alone is found once: which panels are too close to a target for the lowest
+tensor rule, and what their functions give there instead.  An application then sums the kernel over
+all nodes and adds these corrections.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cadbem.kernels.kernel import Kernel, Sums
+from cadbem.operators.interactions import Targets, interact, mend
+from cadbem.operators.layers import Task, run_tasks, tasks
+from cadbem.operators.panels import Panels, tensor_nodes
+from cadbem.operators.sinks import PotentialSink, Record
+from cadbem.quadrature import Rules
+from cadbem.space import Space
+from cadbem.spline.basis import Array
+
+
+@dataclass(frozen=True, eq=False)
+class Potentials:
+    """S single + D double at ``targets``, without factors, for densities of a ``space``."""
+
+    kernel: Kernel
+    space: Space
+    targets: Targets
+    quadrature: Rules
+
+    def apply(self, single: Array, double: Array) -> Array:
+        """Potentials (rows, T) of coefficients ``single`` and ``double`` (components, F)."""
+        patches = len(self.space.boundary.patches)
+        results = np.zeros((patches, self.kernel.rows, self.targets.count))
+        records = self._records
+
+        def work(k: int, task: Task) -> None:
+            patch, panels, rows = task
+            shape, part = panels.surface.weights.shape, self.space.functions(patch)
+            densities = [d[:, part].reshape(-1, *shape) for d in (single, double)]
+            sink = self._sink(results[patch][:, rows], densities)
+            if self.kernel.sums is None:
+                here = self.targets.part(rows)
+                interact(self.kernel, panels, patch, here, self.quadrature, sink)
+                return
+            self._sum(self.kernel.sums, task, densities, sink.result)
+            records[k].replay(sink)
+
+        run_tasks(work, self._tasks, "fields")
+        return results.sum(axis=0)
+
+    def _sink(self, result: Array, densities: Sequence[Array]) -> PotentialSink:
+        return PotentialSink(result, (self.kernel.single, self.kernel.double), densities)
+
+    @cached_property
+    def _tasks(self) -> list[Task]:
+        return tasks(self.space, self.targets.count)
+
+    @cached_property
+    def _records(self) -> list[Record]:
+        """The corrections of each task, for kernels that have sums."""
+        records = [Record() for _ in self._tasks]
+
+        def work(k: int, task: Task) -> None:
+            patch, panels, rows = task
+            here, record = self.targets.part(rows), records[k]
+            mend(self.kernel, panels, patch, here, self.quadrature, record, record.negative)
+
+        if self.kernel.sums is not None:
+            run_tasks(work, self._tasks, "near fields")
+        return records
+
+    def _sum(self, sums: Sums, task: Task, densities: Sequence[Array], out: Array) -> None:
+        """Add both layers' potentials (dim, T) by the lowest tensor rule on all panels."""
+        _, panels, rows = task
+        at = np.ascontiguousarray(self.targets.position[:, rows])
+        nodes = tensor_nodes(panels, self._lowest(panels))
+        position, normal = nodes.flat
+        total = np.zeros_like(at)
+        if densities[0].any():
+            sums.single(at, position, nodes.densities(panels, densities[0]), total)
+        if densities[1].any():
+            weighted = nodes.densities(panels, densities[1])
+            sums.double(at, np.zeros_like(at), position, normal, weighted, total)
+        out += total
+
+    def _lowest(self, panels: Panels) -> int:
+        return self.quadrature.orders(max(panels.surface.degrees))[0]
