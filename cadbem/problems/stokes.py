@@ -14,7 +14,6 @@ from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
-from cadbem.operators.solve import Border
 from cadbem.problems.bodies import Surface, closed_surfaces, point_inside
 from cadbem.problems.conditions import (
     Background,
@@ -27,8 +26,17 @@ from cadbem.problems.conditions import (
     Velocity,
     split,
 )
+from cadbem.problems.constraints import (
+    Constraints,
+    joined,
+    mean_normal_traction,
+    net_flux,
+    normals,
+    pressures,
+)
 from cadbem.problems.mixed import MixedSystem, Split, check_names, patches_named
 from cadbem.problems.profiles import Port, port
+from cadbem.problems.regions import Region, check_balance, regions
 from cadbem.problems.solution import StokesSolution
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.space import Field, Space, discontinuous_space
@@ -44,10 +52,13 @@ class StokesProblem:
 
     ``viscosity`` in pressure × time, in whatever consistent units; ``conditions`` one a name of
     the boundary.  If no closed surface holds the fluid it is unbounded: a ``background`` flow may
-    then be given, which the flow tends to far away.  Raises ``ConditionError`` for a face without
-    a condition, a condition without a face, data that drive no flow, data that leave the pressure
-    open, a background within walls, unbounded fluid in a plane (where a body that is pushed sets
-    all of it in motion: Stokes' paradox), a viscosity that is not positive.
+    then be given, which the flow tends to far away.  Where all velocities around the fluid are
+    given, so that its pressure is open, f·n has the mean 0 on its container.
+
+    Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
+    drive no flow, given velocities that let in more than out, a background within walls, unbounded
+    fluid in a plane (where a body that is pushed sets all of it in motion: Stokes' paradox), a
+    viscosity that is not positive.
     """
 
     boundary: Boundary
@@ -62,6 +73,9 @@ class StokesProblem:
         check_names(self.boundary, self.conditions, KINDS)
         unbounded = not any(s.holds_fluid for s in self.surfaces)
         _check_data(self.boundary, self.conditions, self.background, unbounded)
+        for region in self.regions:
+            if not region.openings(self.kinds):
+                check_balance(self.boundary, self.conditions, region, self.openings)
 
     @cached_property
     def space(self) -> Space:
@@ -74,9 +88,19 @@ class StokesProblem:
         return closed_surfaces(self.boundary)
 
     @cached_property
+    def regions(self) -> list[Region]:
+        """The regions of fluid that the boundary encloses."""
+        return regions(self.boundary, self.surfaces)
+
+    @property
+    def kinds(self) -> list[Condition]:
+        """The condition of each patch."""
+        return [self.conditions[p.name] for p in self.boundary.patches]
+
+    @cached_property
     def given_bodies(self) -> list[Surface]:
         """Bodies in the fluid whose velocity is given all over."""
-        kinds = [self.conditions[p.name] for p in self.boundary.patches]
+        kinds = self.kinds
         return [
             s
             for s in self.surfaces
@@ -133,68 +157,72 @@ class StokesProblem:
         """
         known = self._known(self.system)
         background = self.background.velocity_at(self.space.collocation.position)
-        solution = self._solution(known, background, self._constraints(*known))
+        within = -self.background.pressure_at(self.inner_points)
+        others = len(self.constraints.fields) - len(within)
+        solution = self._solution(known, background, np.concatenate([within, np.zeros(others)]))
         return replace(solution, background=self.background)
 
     def reflection(self, induced: Array) -> StokesSolution:
         """What the boundary adds to a flow that bodies make, with all given data zero.
 
         ``induced`` (dim, T) is that flow at the collocation points, as it were without the
-        boundary.  The whole flow is the sum of ``solve()``, of this, and of what the bodies make.
+        boundary.  The whole flow is the sum of ``solve()``, of this, and of what the bodies make;
+        its velocity on the boundary, which conserves mass, is that of both solutions.
         """
         zero = np.zeros((self.boundary.dimension, self.space.count))
         return self._solution((zero, zero), induced, 0.0)
 
     @cached_property
-    def system(self) -> MixedSystem:
-        """The linear system, which keeps its factors."""
-        splits = [
+    def splits(self) -> list[Split]:
+        """What is given and what is sought on each patch."""
+        return [
             split(self.conditions[p.name], self.openings.get(p.name), self.boundary.dimension)
             for p in self.boundary.patches
         ]
-        border = self._border(splits) if self.given_bodies else None
-        return MixedSystem(self.layers, -1 / self.viscosity, splits, border)
+
+    @cached_property
+    def constraints(self) -> Constraints:
+        """What the equations leave open, or conserve only roughly.
+
+        Inside each of ``given_bodies`` the pressure of all layers vanishes, to which f = n
+        contributes 1; forces and torques do not depend on it, as ∫ n dS = ∫ x × n dS = 0.  In each
+        region either the mean of f·n on the container vanishes, or the net flux.
+        """
+        bodies = [normals(self.space, body.patches) for body in self.given_bodies]
+        none = np.empty((0, *self.space.collocation.normal.shape))
+        factor = 0.5 / self.layers.kernel.free_term
+        inside = np.concatenate([none, *bodies])
+        parts = [pressures(self.inner_pressure, self.viscosity, factor, inside)]
+        for region in self.regions:
+            openings = region.openings(self.kinds)
+            if openings:
+                room = normals(self.space, openings)
+                parts.append(net_flux(self.space, region.patches, room))
+            else:
+                walls = region.container.patches
+                room = normals(self.space, walls)
+                parts.append(mean_normal_traction(self.space, walls, room))
+        return joined(parts)
+
+    @cached_property
+    def system(self) -> MixedSystem:
+        """The linear system, which keeps its factors."""
+        border = self.constraints.border(self.space, self.splits)
+        return MixedSystem(self.layers, -1 / self.viscosity, self.splits, border)
 
     def _solution(
-        self, known: tuple[Array, Array], background: Array, constraints: Array | float
+        self, known: tuple[Array, Array], background: Array, values: Array | float
     ) -> StokesSolution:
-        """The flow with known data and a background velocity (dim, T) at collocation points."""
+        """The flow with known data, a background velocity (dim, T) at collocation points, and
+        given ``values`` (k,) of the constraints."""
         twice = 2 * self.system.free_term
         plates = np.where(self.thin, known[0], 0.0)
         source = twice * (background - self.space.values(plates))
+        constraints = values - self.constraints.of(known[0] - plates, known[1])
         unknowns = self.system.unknowns(known[0] - plates, known[1], source, constraints)
         velocity, traction = self.system.complete(*known, unknowns)
         fields = Field(self.space, velocity), Field(self.space, traction)
         return StokesSolution(self, *fields, background=Background())
-
-    def _border(self, splits: list[Split]) -> Border:
-        """What fixes f = n on each of ``given_bodies``, a null vector of the single layer.
-
-        Inside a body the sum of all layers vanishes, and so does its pressure, to which f = n
-        contributes 1.  Forces and torques do not depend on f = n, as ∫ n dS = ∫ x × n dS = 0.
-        By symmetry ∫ n·S f dS = 0: the equations are compatible only up to errors of
-        discretisation, for which multiples of n on each body make room.
-        """
-        normal = self.space.collocation.normal
-        fields = np.zeros((len(self.given_bodies), *normal.shape))
-        for field_, body in zip(fields, self.given_bodies, strict=True):
-            for i in body.patches:
-                part = self.space.functions(i)
-                field_[:, part] = normal[:, part]
-        rows = np.concatenate(
-            [
-                self.inner_pressure.columns(i, s.flux_mixing, self.viscosity * s.value_mixing)[0]
-                for i, s in enumerate(splits)
-            ],
-            axis=2,
-        )
-        return Border(rows / (2 * self.layers.kernel.free_term), fields)
-
-    def _constraints(self, velocity: Array, traction: Array) -> Array:
-        """Right sides of the border: minus the pressures inside bodies that known data bring."""
-        known = self.inner_pressure.apply(traction, self.viscosity * velocity)[0]
-        known /= 2 * self.layers.kernel.free_term
-        return -known - self.background.pressure_at(self.inner_points)
 
     def _known(self, system: MixedSystem) -> tuple[Array, Array]:
         """Coefficients of the known velocity and traction, inflows scaled to their flow rate."""
@@ -237,8 +265,4 @@ def _check_data(
         raise ConditionError(
             f"there is no inlet: nothing drives the flow; give one of {names} an Inflow, "
             "or two of them different Pressures"
-        )
-    if not unbounded and not any(isinstance(c, Pressure | Traction) for c in values):
-        raise ConditionError(
-            f"there is no outlet, so the pressure is open; give one of {names} a Pressure"
         )
