@@ -20,17 +20,23 @@ if TYPE_CHECKING:
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
     from cadbem.extension import extended as extended
+    from cadbem.post import Frame as Frame
     from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_around as draw_around
     from cadbem.post import draw_boundary as draw_boundary
     from cadbem.post import draw_collocation as draw_collocation
     from cadbem.post import draw_droplets as draw_droplets
+    from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
+    from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_slices as draw_slices
     from cadbem.post import draw_streamlines as draw_streamlines
     from cadbem.post import draw_traction as draw_traction
+    from cadbem.post import draw_trajectories as draw_trajectories
+    from cadbem.post import filmstrip as filmstrip
     from cadbem.post import volume_grid as volume_grid
     from cadbem.post import write_droplets as write_droplets
+    from cadbem.post import write_frames as write_frames
     from cadbem.post import write_mesh as write_mesh
     from cadbem.post import write_vtu as write_vtu
     from cadbem.problems.conditions import Background as Background
@@ -122,17 +128,23 @@ _NAMES = {
     ),
     "extension": ("extended",),
     "post": (
+        "Frame",
         "bezier_grid",
         "draw_around",
         "draw_boundary",
         "draw_collocation",
         "draw_droplets",
+        "draw_movie",
         "draw_outlines",
+        "draw_scene",
         "draw_slices",
         "draw_streamlines",
         "draw_traction",
+        "draw_trajectories",
+        "filmstrip",
         "volume_grid",
         "write_droplets",
+        "write_frames",
         "write_mesh",
         "write_vtu",
     ),

@@ -6,7 +6,9 @@ from types import SimpleNamespace
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.post.bodies import Frame
 from cadbem.spline import Nurbs
+from cadbem.spline.outlines import rectangle
 
 LINE = np.array([0.0, 0.0, 1.0, 1.0])
 ARC = np.array([0.0, 0.0, 0.0, 1.0, 1.0, 1.0])
@@ -118,3 +120,15 @@ def space(boundary, per_direction=3):
     u, v = (g.ravel() for g in np.meshgrid(inner, inner, indexing="ij"))
     position = np.concatenate([p.surface.evaluate(u, v) for p in boundary.patches], axis=1)
     return SimpleNamespace(boundary=boundary, collocation=SimpleNamespace(position=position))
+
+
+def rectangular_channel(length=2.0):
+    """The plane channel 0 <= x <= length, 0 <= y <= 1 with an inlet and an outlet."""
+    names = ("inlet", "outlet", "walls", "walls")
+    sides = zip(rectangle((0, 0), (length, 1)), names, strict=True)
+    return Boundary(tuple(Patch(side, name) for side, name in sides), unit="mm")
+
+
+def frames_along(places, body):
+    """Frames at the times 0, 1, ... with ``body(x)`` as number 0 at places x, gone where None."""
+    return [Frame(float(k), {} if x is None else {0: body(x)}) for k, x in enumerate(places)]

@@ -1,10 +1,14 @@
 """Pictures and files of boundaries and flows."""
 
 from cadbem.post.bezier import bezier_grid
+from cadbem.post.bodies import Frame
 from cadbem.post.display import require_display
 from cadbem.post.droplets import draw_droplets, draw_outlines, write_droplets
 from cadbem.post.export import write_mesh, write_vtu
 from cadbem.post.fields import edge_lines, tessellated, wall_stresses
+from cadbem.post.movie import draw_movie, draw_scene, filmstrip
+from cadbem.post.series import write_frames
+from cadbem.post.trajectories import draw_trajectories
 from cadbem.post.view_around import draw_around
 from cadbem.post.view_boundary import draw_boundary, draw_collocation
 from cadbem.post.view_flow import draw_slices, draw_streamlines
@@ -12,21 +16,27 @@ from cadbem.post.view_walls import draw_traction
 from cadbem.post.volume import volume_grid
 
 __all__ = [
+    "Frame",
     "bezier_grid",
     "draw_around",
     "draw_boundary",
     "draw_collocation",
     "draw_droplets",
+    "draw_movie",
     "draw_outlines",
+    "draw_scene",
     "draw_slices",
     "draw_streamlines",
     "draw_traction",
+    "draw_trajectories",
     "edge_lines",
+    "filmstrip",
     "require_display",
     "tessellated",
     "volume_grid",
     "wall_stresses",
     "write_droplets",
+    "write_frames",
     "write_mesh",
     "write_vtu",
 ]

@@ -15,7 +15,7 @@ from cadbem.errors import ShapeError
 from cadbem.post.bezier import bezier_grid
 from cadbem.post.display import load_pyvista
 from cadbem.post.export import prepared, write_vtu
-from cadbem.post.layout import Size, View, add_axes, aim, panel, sheet, strip
+from cadbem.post.layout import Size, add_axes, aim, flow_views, panel, sheet, strip
 from cadbem.post.scene import add_lines, lifted
 from cadbem.post.style import (
     COLOUR_MAP,
@@ -55,7 +55,7 @@ def draw_droplets(
     surfaces = [tessellated_droplet(s, f) for s, f in zip(splines, values, strict=True)]
     extent = np.concatenate([s.points for s in surfaces]).T
     limits = _limits(np.concatenate([s.point_data["value"] for s in surfaces]))
-    views = _views()
+    views = flow_views()
     with sheet(path, size, len(views), views[0].aspect(extent)) as plotter:
         for i, view in enumerate(views):
             panel(plotter, i)
@@ -181,12 +181,6 @@ def _require(spline: ClosedSpline, dimension: int) -> None:
             f"a droplet in {spline.dimension}D cannot be shown like this: draw_outlines is for "
             "2D, draw_droplets and write_droplets are for 3D"
         )
-
-
-def _views() -> tuple[View, View]:
-    """Against y, with x to the right and z up, and from a corner."""
-    front = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
-    return front, front.turned(35.0, 25.0)
 
 
 def _limits(values: Array) -> tuple[float, float]:

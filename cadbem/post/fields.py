@@ -115,7 +115,7 @@ def _curves(patch: Patch, density: int, elements: bool) -> list[Array]:
     surface = patch.surface
     curves = []
     for along in (0, 1):
-        samples = _between(surface.breaks(along), density)
+        samples = between(surface.breaks(along), density)
         across = surface.breaks(1 - along) if elements else surface.domain[1 - along]
         for value in across:
             parameters = [samples, np.full_like(samples, value)]
@@ -124,7 +124,7 @@ def _curves(patch: Patch, density: int, elements: bool) -> list[Array]:
 
 
 def _lattice(patch: Patch, density: int) -> tuple[Array, Array]:
-    u, v = (_between(patch.surface.breaks(d), density) for d in (0, 1))
+    u, v = (between(patch.surface.breaks(d), density) for d in (0, 1))
     grids = np.meshgrid(u, v, indexing="ij")
     return grids[0], grids[1]
 
@@ -143,7 +143,7 @@ def _normals(surface: Nurbs, u: Array, v: Array) -> Array:
     return normal
 
 
-def _between(breaks: Array, density: int) -> Array:
+def between(breaks: Array, density: int) -> Array:
     """Breaks with ``density - 1`` equidistant values in each span."""
     steps = np.arange(density * (len(breaks) - 1) + 1) / density
     return np.interp(steps, np.arange(len(breaks)), breaks)

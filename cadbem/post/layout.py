@@ -48,6 +48,12 @@ class View:
         return float(width / max(height, 1e-3 * width))
 
 
+def flow_views() -> tuple[View, View]:
+    """Against y, with x to the right and z up, and from a corner."""
+    front = View(np.array([1.0, 0.0, 0.0]), np.array([0.0, 0.0, 1.0]))
+    return front, front.turned(35.0, 25.0)
+
+
 def axes_by_length(points: Array) -> tuple[int, int, int]:
     """Axes along which points (3, N) extend longest, less and least; x before y before z."""
     lengths = np.ptp(points, axis=1)
@@ -102,12 +108,20 @@ def arrangement(count: int, aspect: float, size: Size) -> tuple[int, int]:
 
 @contextmanager
 def sheet(path: str | Path, size: Size, panels: int, aspect: float) -> Iterator[Any]:
-    """A plotter with ``panels`` above a strip for the legend, written to ``path`` at the end.
+    """A plotter as in ``stage``, written to ``path`` at the end."""
+    target = prepared(path)
+    with stage(size, panels, aspect) as plotter:
+        yield plotter
+        plotter.screenshot(target, return_img=False)
+
+
+@contextmanager
+def stage(size: Size, panels: int, aspect: float) -> Iterator[Any]:
+    """A plotter with ``panels`` above a strip for the legend, closed at the end.
 
     Inside, choose with ``panel`` and ``strip``.
     """
     pyvista = load_pyvista()
-    target = prepared(path)
     rows, columns = arrangement(panels, aspect, (size[0], round(size[1] * (1 - STRIP))))
     plotter = pyvista.Plotter(
         off_screen=True,
@@ -121,7 +135,6 @@ def sheet(path: str | Path, size: Size, panels: int, aspect: float) -> Iterator[
         plotter.set_background(BACKGROUND)
         plotter.render_window.SetMultiSamples(0)
         yield plotter
-        plotter.screenshot(target, return_img=False)
     finally:
         plotter.close()
 

@@ -7,10 +7,10 @@ from typing import Any
 
 from cadbem.post.display import load_pyvista
 from cadbem.post.layout import Size, strip
-from cadbem.post.style import INK, SMALL, add_text, scaled
+from cadbem.post.style import INK, LETTER, SMALL, add_text, scaled
 
 # in heights of a letter
-_SWATCH, _SPACE, _GAP, _LETTER, _LINE = 1.2, 0.35, 1.5, 0.56, 1.6
+_SWATCH, _SPACE, _GAP, _LINE = 1.2, 0.35, 1.5, 1.6
 
 
 def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> None:
@@ -32,7 +32,7 @@ def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> Non
             plotter.add_mesh(swatch.extract_feature_edges(), color=INK, line_width=1)
             _write(plotter, name, (right + _SPACE * letter, bottom), letter)
     if note:
-        _write(plotter, note, (rows[0][0][0], size[1] - (len(rows) + 1) * line), letter)
+        _write(plotter, note, (_GAP * letter, size[1] - (len(rows) + 1) * line), letter)
     _use_pixels(plotter, size)
 
 
@@ -41,7 +41,7 @@ def _rows(names: list[str], width: int, letter: int) -> list[list[tuple[float, s
     rows: list[list[tuple[float, str]]] = [[]]
     left = _GAP * letter
     for name in names:
-        needed = (_SWATCH + _SPACE + _LETTER * len(name) + _GAP) * letter
+        needed = (_SWATCH + _SPACE + LETTER * len(name) + _GAP) * letter
         if rows[-1] and left + needed > width:
             rows.append([])
             left = _GAP * letter

@@ -13,12 +13,15 @@ from cadbem.spline.basis import Array
 BACKGROUND = "#ffffff"
 INK = "#1a1a1a"
 WALL = "#d4d9de"
+GLASS = "#f3f5f7"  # walls, seen as glass on paper
 UNNAMED = "#f3e3bd"
+OPENING = "#8fb8de"
 DEFECT = "#d62728"
 COLOUR_MAP = "viridis"
 FONT = "arial"
 # heights of letters in pixels of a sheet 1800 wide, legible when it fills the width of a page
 TEXT, SMALL = 26, 22
+LETTER = 0.56  # mean width of a letter over its height
 # Okabe and Ito's colours, told apart by readers with colour blindness as well
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
 
@@ -98,7 +101,8 @@ def round_values(low: float, high: float, count: int = 5) -> Array:
     return step * np.arange(first, last + 1) + 0.0  # no "-0"
 
 
-def add_text(plotter: Any, text: str, position: tuple[float, float], letter: int) -> None:
+def add_text(plotter: Any, text: str, position: tuple[float, float], letter: int) -> Any:
     """Text with letters of so many pixels, its lower left corner at parts of the panel."""
     actor = plotter.add_text(text, position=position, viewport=True, font=FONT, color=INK)
     actor.prop.font_size = letter
+    return actor

@@ -1,0 +1,138 @@
+"""Bodies in motion as pictures know them: frames, and what each body looks like."""
+
+from __future__ import annotations
+
+import colorsys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from cadbem.boundary import Boundary
+from cadbem.errors import CadbemError, ShapeError
+from cadbem.post.droplets import tessellated_droplet
+from cadbem.post.fields import tessellated
+from cadbem.post.style import PALETTE, WALL
+from cadbem.spline.basis import Array
+from cadbem.spline.closed import ClosedSpline
+
+Shape = ClosedSpline | Boundary
+CELLS = 8  # flat cells along a particle's patches, at least
+PALE = 0.72  # share of white in a particle's pale chequers
+LEGIBLE = 8  # bodies that a legend names one by one
+
+
+@dataclass(frozen=True, eq=False)
+class Frame:
+    """Bodies at a ``time``, by number: droplets are closed splines, rigid particles boundaries.
+
+    A number stands for one body in all frames, and for its colour; bodies may come and go.
+    """
+
+    time: float
+    shapes: Mapping[int, Shape]
+
+
+def require_frames(channel: Boundary | None, frames: Sequence[Frame]) -> int:
+    """Dimension of space, the same for the channel and all bodies.
+
+    Raises ``CadbemError`` when there is nothing to draw, ``ShapeError`` for two dimensions.
+    """
+    found = {} if channel is None else {channel.dimension: "the channel"}
+    for frame in frames:
+        for number, shape in frame.shapes.items():
+            found.setdefault(shape.dimension, f"body {number} at t = {frame.time:g}")
+    if not frames or not found:
+        raise CadbemError("nothing to draw: give at least one frame, and a channel or a body")
+    if len(found) > 1:
+        raise ShapeError(
+            f"{found[2]} is in 2D, {found[3]} in 3D: draw them in pictures of their own"
+        )
+    return next(iter(found))
+
+
+def control_points(channel: Boundary | None, frames: Sequence[Frame]) -> Array:
+    """Control points (dim, N) of everything at all times."""
+    shapes: list[Shape] = [] if channel is None else [channel]
+    shapes += [shape for frame in frames for shape in frame.shapes.values()]
+    return np.concatenate([_control_points(shape) for shape in shapes], axis=1)
+
+
+def _control_points(shape: Shape) -> Array:
+    if isinstance(shape, ClosedSpline):
+        return shape.coefficients.reshape(shape.dimension, -1)
+    points = [p.surface.points.reshape(-1, shape.dimension) for p in shape.patches]
+    return np.concatenate(points).T
+
+
+def body_name(number: int, shape: Shape) -> str:
+    """What a legend calls a body."""
+    return f"{'droplet' if isinstance(shape, ClosedSpline) else 'particle'} {number}"
+
+
+def body_colour(number: int) -> str:
+    """A body's colour, which depends on nothing but its number."""
+    if 0 <= number < len(PALETTE):
+        return PALETTE[number]
+    # the golden ratio spreads any number of hues
+    red, green, blue = colorsys.hls_to_rgb(0.618034 * number % 1, 0.42 + 0.16 * (number % 2), 0.6)
+    return f"#{round(255 * red):02x}{round(255 * green):02x}{round(255 * blue):02x}"
+
+
+def pale(colour: str) -> str:
+    """A colour mixed with white."""
+    mixed = 255 * PALE + (1 - PALE) * _rgb(colour)
+    return "#" + bytes(mixed.round().astype(int).tolist()).hex()
+
+
+def _rgb(colour: str) -> NDArray[np.uint8]:
+    return np.frombuffer(bytes.fromhex(colour[1:]), dtype=np.uint8)
+
+
+def legend_of(frames: Sequence[Frame]) -> dict[str, str]:
+    """Names of bodies and their colours; many bodies are counted instead."""
+    shapes = {n: shape for frame in frames for n, shape in frame.shapes.items()}
+    if len(shapes) <= LEGIBLE:
+        return {body_name(n, shapes[n]): body_colour(n) for n in sorted(shapes)}
+    kinds = Counter(body_name(n, shape).split()[0] for n, shape in shapes.items())
+    return {f"{n} {kind}{'s' * (n > 1)}": WALL for kind, n in sorted(kinds.items())}
+
+
+def time_labels(frames: Sequence[Frame]) -> list[str]:
+    """The frames' times with as many decimals as give the longest time three digits."""
+    longest = max(abs(frame.time) for frame in frames)
+    decimals = int(np.clip(2 - np.floor(np.log10(longest)), 0, 9)) if longest else 0
+    return [f"t = {frame.time:.{decimals}f}" for frame in frames]
+
+
+def body_surface(number: int, shape: Shape) -> Any:
+    """A body in space as ``pyvista.PolyData`` with unit ``Normals`` outwards and the point or
+    cell data ``colour``: droplets plain, particles chequered, so that one sees them turn."""
+    if isinstance(shape, ClosedSpline):
+        surface = tessellated_droplet(shape)
+        surface.point_data["colour"] = np.tile(_rgb(body_colour(number)), (surface.n_points, 1))
+    else:
+        surface = tessellated(shape, _density(shape))
+        surface.cell_data["colour"] = _chequers(shape, body_colour(number))
+    surface.point_data.active_normals_name = "Normals"
+    return surface
+
+
+def _density(boundary: Boundary) -> int:
+    """Cells a direction in each element, an even number, for chequers."""
+    spans = min(len(p.surface.breaks(d)) - 1 for p in boundary.patches for d in (0, 1))
+    return 2 * max(1, round(0.5 * CELLS / spans))
+
+
+def _chequers(boundary: Boundary, colour: str) -> NDArray[np.uint8]:
+    """Colours of the cells of ``tessellated``: each patch is cut into two by two fields."""
+    colours = []
+    for patch in boundary.patches:
+        rows, columns = (_density(boundary) * (len(patch.surface.breaks(d)) - 1) for d in (0, 1))
+        i, j = np.indices((rows, columns)).reshape(2, -1)
+        dark = (2 * i // rows + 2 * j // columns) % 2 == 0
+        colours.append(np.where(dark[:, None], _rgb(colour), _rgb(pale(colour))))
+    return np.concatenate(colours)
