@@ -15,7 +15,8 @@ from cadbem.operators.panels import Index, Panels, split_patch
 from cadbem.quadrature.panels import area_vector, closest_on_panels, evaluate_panel, fill_bernstein
 from cadbem.spline.basis import Array
 
-SAME_DISTANCE = 1e-9  # share of the boundary's size within which two points are equally near
+SAME_DISTANCE = 1e-9  # share by which distances of points that are equally near may differ
+ROUNDING = 1e-13  # share of the boundary's size by which they may also differ
 OFF_POLE = 1e-6  # how near to a panel's edges its normal is asked for: some edges are points
 
 
@@ -104,7 +105,8 @@ class NearestSearch:
         best = np.full(points.shape[1], np.inf)
         np.minimum.at(best, target, found)
         size = float(np.linalg.norm(np.ptp(self.boundary.bounds(), axis=0)))
-        tied = np.nonzero((found <= best[target] + SAME_DISTANCE * size) & (found <= reach))[0]
+        level = best * (1 + SAME_DISTANCE) + ROUNDING * size
+        tied = np.nonzero((found <= level[target]) & (found <= reach))[0]
         tied = tied[np.argsort(abs(before[tied]), kind="stable")]  # the last one stays
         result = NearestPoints(
             np.full(points.shape[1], -1),
