@@ -75,15 +75,15 @@ def test_reentrant_edge():
 
 @pytest.mark.parametrize("radius", [1e-7, 1e-3, 0.7])
 def test_corners_and_edges(radius):
-    """Points about all corners and edges of the T-junction (see its drawing), salient and re-entrant
-    ones, and where both meet: |z| < 1/2, and in the main channel or in the branch."""
+    """Points about all corners and edges of the T-junction (see its drawing), salient ones,
+    re-entrant ones, and where both meet: |z| < 1/2, in the main channel or in the branch."""
     boundary = cb.read_cad(GEOMETRIES / "t_junction.step").elevated(2).refined(2)
     ends = [(u, v) for u in (0, 0.3, 1) for v in (0, 0.3, 1) if 0.3 not in (u, v) or u != v]
     about = np.array([p.surface.evaluate(*e) for p in boundary.patches for e in ends]).T
     offsets = np.random.default_rng(5).normal(size=(3, 40 * about.shape[-1]))
     x, y, z = points = np.repeat(about.reshape(3, -1), 40, axis=1) + radius * offsets
-    channel_ = (abs(y) < 0.5) & (abs(x) < 3) | (abs(x) < 0.5) & (y > -3) & (y < 0.5)
-    assert (inside(boundary, points) == channel_ & (abs(z) < 0.5)).all()
+    within = (abs(y) < 0.5) & (abs(x) < 3) | (abs(x) < 0.5) & (y > -3) & (y < 0.5)
+    assert (inside(boundary, points) == within & (abs(z) < 0.5)).all()
 
 
 def test_reach():
