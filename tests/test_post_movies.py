@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from PIL import Image
-from post_stand_ins import box, frames_along, rectangular_channel
+from post_stand_ins import box, frames_along, pipe, rectangular_channel
 from scipy.ndimage import label
 
 from cadbem.boundary import Boundary, Patch
@@ -16,7 +16,7 @@ from cadbem.post import (
     filmstrip,
     write_frames,
 )
-from cadbem.post.bodies import body_colour, body_surface, legend_of, time_labels
+from cadbem.post.bodies import body_colour, body_surface, legend_of, spread_points, time_labels
 from cadbem.post.palette import EXACT, Palette
 from cadbem.post.style import OPENING, PALETTE
 from cadbem.spline.closed import spline_circle, spline_sphere
@@ -178,6 +178,11 @@ def test_surfaces():
     np.testing.assert_allclose(surface.point_data["Normals"], surface.points, atol=1e-6)
     refined = body_surface(1, Boundary(particle(sphere()).patches).refined(6))
     assert of_colour(np.asarray(refined.cell_data["colour"]), PALETTE[1]).mean() == 0.5
+
+
+def test_extent():
+    """A pipe of radius 1 and length 2, whose control points are corners of squares outside."""
+    np.testing.assert_allclose(np.ptp(spread_points(pipe()), axis=1), 2, atol=1e-12)
 
 
 def test_looks():

@@ -14,13 +14,14 @@ from numpy.typing import NDArray
 from cadbem.boundary import Boundary
 from cadbem.errors import CadbemError, ShapeError
 from cadbem.post.droplets import tessellated_droplet
-from cadbem.post.fields import tessellated
+from cadbem.post.fields import between, tessellated
 from cadbem.post.style import PALETTE, WALL
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 
 Shape = ClosedSpline | Boundary
-CELLS = 8  # flat cells along a particle's patches, at least
+CELLS = 12  # flat cells along a particle's patches, at least
+SPREAD = 4  # points a direction in each element, for the extent of things
 PALE = 0.72  # share of white in a particle's pale chequers
 LEGIBLE = 8  # bodies that a legend names one by one
 
@@ -54,18 +55,23 @@ def require_frames(channel: Boundary | None, frames: Sequence[Frame]) -> int:
     return next(iter(found))
 
 
-def control_points(channel: Boundary | None, frames: Sequence[Frame]) -> Array:
-    """Control points (dim, N) of everything at all times."""
+def extent_of(channel: Boundary | None, frames: Sequence[Frame]) -> Array:
+    """Points (dim, N) spread over everything at all times."""
     shapes: list[Shape] = [] if channel is None else [channel]
     shapes += [shape for frame in frames for shape in frame.shapes.values()]
-    return np.concatenate([_control_points(shape) for shape in shapes], axis=1)
+    return np.concatenate([spread_points(shape) for shape in shapes], axis=1)
 
 
-def _control_points(shape: Shape) -> Array:
+def spread_points(shape: Shape) -> Array:
+    """Points (dim, N) spread over a body or a channel."""
     if isinstance(shape, ClosedSpline):
-        return shape.coefficients.reshape(shape.dimension, -1)
-    points = [p.surface.points.reshape(-1, shape.dimension) for p in shape.patches]
-    return np.concatenate(points).T
+        return shape.points()
+    points = []
+    for patch in shape.patches:
+        lines = [between(patch.surface.breaks(d), SPREAD) for d in range(shape.dimension - 1)]
+        lattice = np.meshgrid(*lines, indexing="ij")
+        points.append(patch.surface.evaluate(*[g.ravel() for g in lattice]))
+    return np.concatenate(points, axis=1)
 
 
 def body_name(number: int, shape: Shape) -> str:

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.post.fields import tessellated
+from cadbem.post.fields import sharp_edges, tessellated
 from cadbem.post.layout import View
 from cadbem.post.scene import lifted
 from cadbem.post.style import FONT, INK, LETTER, OPENING, SMALL, scaled
@@ -23,14 +23,14 @@ def add_openings(plotter: Any, channel: Boundary, view: View) -> Array:
     """Openings in the panel drawn at present; returns points (3, N) up to which names reach."""
     extent = tessellated(channel).points.T
     # panels are not yet aimed, so that this is somewhat less than a pixel will be
-    pixel = np.ptp(view.flat(extent)[0]) / plotter.renderer.GetSize()[0]
+    pixel = np.max(np.ptp(view.flat(extent), axis=1) / plotter.renderer.GetSize())
     ends = [np.empty((3, 0))]
     for name in opening_names(channel):
         opening = tessellated(channel, patches=channel.select(name))
         plotter.add_mesh(opening, color=OPENING, opacity=0.35, lighting=False)
-        rim = opening.clean().extract_feature_edges(feature_edges=False, manifold_edges=False)
+        rim = sharp_edges(Boundary(tuple(channel.patches[i] for i in channel.select(name))))
         # wide lines have gaps between their pieces, tubes do not
-        tube = rim.strip().tube(radius=scaled(plotter, 2) * pixel, n_sides=12)
+        tube = rim.tube(radius=scaled(plotter, 2) * pixel, n_sides=12)
         tube = tube.translate(2 * lifted(view, extent))
         plotter.add_mesh(tube, color=OPENING, lighting=False)
         ends.append(_add_name(plotter, name, opening, view, pixel))

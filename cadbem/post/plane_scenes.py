@@ -10,7 +10,7 @@ import numpy as np
 from PIL import Image
 
 from cadbem.boundary import Boundary
-from cadbem.post.bodies import Frame, Shape, body_colour, control_points, legend_of, pale
+from cadbem.post.bodies import Frame, Shape, body_colour, extent_of, legend_of, pale
 from cadbem.post.layout import Size
 from cadbem.post.plane import SAMPLES, add_legend, add_plane_channel, along_curve, plane_figure
 from cadbem.post.style import INK
@@ -93,7 +93,7 @@ def _figure(
     from matplotlib.patches import Patch
 
     unit = "" if channel is None else channel.unit
-    figure, grid = plane_figure(control_points(channel, frames), unit, size, panels)
+    figure, grid = plane_figure(extent_of(channel, frames), unit, size, panels)
     for axes in grid:
         if channel is not None:
             add_plane_channel(axes, channel)

@@ -11,8 +11,7 @@ import numpy as np
 from PIL import Image
 
 from cadbem.boundary import Boundary
-from cadbem.post.bodies import Frame, body_surface, control_points, legend_of
-from cadbem.post.fields import tessellated
+from cadbem.post.bodies import Frame, body_surface, extent_of, legend_of, spread_points
 from cadbem.post.layout import (
     Size,
     View,
@@ -45,14 +44,14 @@ class Scene:
     @staticmethod
     def of(channel: Boundary | None, frames: Sequence[Frame]) -> Scene:
         """The scene that holds all frames."""
-        return Scene(channel, control_points(channel, frames), legend_of(frames))
+        return Scene(channel, extent_of(channel, frames), legend_of(frames))
 
     @property
     def views(self) -> tuple[View, View]:
         """The widest plane of the channel, and a corner of it."""
         if self.channel is None:
             return flow_views()
-        points = tessellated(self.channel).points.T
+        points = spread_points(self.channel)
         return plan_view(points), corner_view(points)
 
     def prepare(self, plotter: Any, view: View) -> None:
@@ -156,4 +155,4 @@ def _add_caption(plotter: Any, caption: str) -> Any:
 
 
 def _size(channel: Boundary) -> str:
-    return "channel " + size_label(channel.bounds().T, channel.unit)
+    return "channel " + size_label(spread_points(channel), channel.unit)

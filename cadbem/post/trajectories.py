@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
 from cadbem.errors import CadbemError, ShapeError
-from cadbem.post.bodies import body_colour
+from cadbem.post.bodies import body_colour, spread_points
 from cadbem.post.export import prepared
 from cadbem.post.layout import Size, axes_by_length
 from cadbem.post.plane import add_legend, add_plan, add_plane_channel, plane_figure
@@ -34,7 +34,7 @@ def draw_trajectories(
     """
     paths = {label: np.asarray(track, dtype=float) for label, track in tracks.items()}
     extent = _extent(channel, list(paths.values()))
-    widest = extent if channel is None else channel.bounds().T
+    widest = extent if channel is None else spread_points(channel)
     shown = sorted(axes_by_length(widest)[:2]) if len(extent) == 3 else [0, 1]
     unit, names = "" if channel is None else channel.unit, "".join("xyz"[k] for k in shown)
     figure, (axes,) = plane_figure(extent[shown], unit, size, names=names)
@@ -57,10 +57,10 @@ def draw_trajectories(
 
 
 def _extent(channel: Boundary | None, paths: list[Array]) -> Array:
-    """Points (dim, N) of all paths and corners of the channel."""
+    """Points (dim, N) of all paths and of the channel."""
     if not paths:
         raise CadbemError("no trajectories to draw: give at least one path of positions (dim, N)")
-    found = [*paths] if channel is None else [*paths, channel.bounds().T]
+    found = [*paths] if channel is None else [*paths, spread_points(channel)]
     if len({len(points) for points in found}) > 1:
         raise ShapeError("trajectories and channel must all be in 2D or all in 3D to be drawn")
     return np.concatenate(found, axis=1)
