@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -47,15 +48,19 @@ class Space:
     def values(self, coefficients: Array) -> Array:
         """Values (dim, N) at the collocation points of coefficients (dim, F)."""
         result = np.empty_like(coefficients)
-        for i, patch in enumerate(self.boundary.patches):
+        for i, matrix in enumerate(self._collocation_matrices):
             part = self.functions(i)
-            matrix = rational_basis(patch.surface, self.parameters[i])
             result[:, part] = coefficients[:, part] @ matrix.T
         return result
 
+    @cached_property
+    def _collocation_matrices(self) -> list[Array]:
+        pairs = zip(self.boundary.patches, self.parameters, strict=True)
+        return [rational_basis(patch.surface, parameters) for patch, parameters in pairs]
+
     def collocation_matrix(self, patch: int) -> Array:
         """Values of a patch's functions at its collocation points: (n, n)."""
-        return rational_basis(self.boundary.patches[patch].surface, self.parameters[patch])
+        return self._collocation_matrices[patch]
 
     def interpolate(self, values: Array) -> Array:
         """Coefficients (dim, F) of the field with these values at the collocation points."""

@@ -2,10 +2,12 @@
 
 Drag 6πμaU and torque 8πμa³Ω of a sphere on three parametrisations; convergence where the
 traction is no spline: a sphere held in a paraboloidal flow (Faxén) and an ellipsoid (Perrin);
-two spheres along their line of centres (Stimson and Jeffery); a sphere near a wall (O'Neill).
+two spheres along their line of centres (Stimson and Jeffery); a sphere near a wall (O'Neill,
+Brenner), down to a gap of a hundredth of its radius.
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from math import pi
 
 import numpy as np
@@ -16,7 +18,13 @@ MOTION = cb.RigidMotion(velocity=(1.0, 0.0, 0.0), angular_velocity=(0.0, 1.0, 0.
 SPHERES = ((cb.sphere, 4), (cb.sphere_octants, 2), (cb.sphere_with_poles, 2))
 DRAG_211 = (22.6937530132454298, 25.9916348835661665, 25.9916348835661665)  # axes 2, 1, 1
 PAIRS = {3.0: 0.804721760669963725, 2.0: 0.742258285069086028, 1.5: 0.698304560250037017}
-WALL = {2.0: 1.3827523824112236, 1.543080634815: 1.5674594248346199, 1.1: 2.2643030353880422}
+WALL = {  # height of the centre: drag along the wall, torque, drag away from it
+    2.0: (1.3827523824112236, 1.0417835548066146, 2.1255355667600392),
+    1.543080634815: (1.5674594248346199, 1.0998032148298433, 3.0360643803152062),
+    1.1: (2.2643030353880422, 1.454851210016983, 11.4591572034095570),
+    1.01: (3.4225329663656340, 2.2407976493685187, 101.8961723246098223),
+}
+SLIDING = cb.RigidMotion(velocity=(1.0, 0.0, 1.0), angular_velocity=(1.0, 0.0, 0.0))
 PARABOLOID = cb.Background(
     velocity=lambda x: np.array([x[2] ** 2, 0 * x[0], 0 * x[0]]), pressure=lambda x: 2 * x[0]
 )
@@ -58,19 +66,19 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
         pair = solve(low + high, 4, half, cb.RigidMotion((0.0, 0.0, 1.0)))
         row(ratio, pair.space.count, pair.force("body")[2] / (-12 * pi * exact) - 1)
 
-    heading("sphere near a wall, a plate of 2000 a", "height / a", "points", "drag")
+    # Moving along x and z and turning about x: by symmetry the drag along x, the drag along z and
+    # the torque about x are those of each motion alone
+    titles = "height / a", "points", "drag along", "torque", "drag away"
+    heading("sphere near a wall, a plate of 100 a", *titles)
     for height, exact in WALL.items():
-        plate = cb.plate(2.0, 2000.0, degree=4, spans=spans, rings=spans + 8)
-        wall = [cb.Patch(surface, "wall") for surface in plate]
-        # patches need not match: the one that faces the wall is much finer
-        faces = [bodies((s,), 4, 1) for s in cb.sphere(centre=(0, 0, height))]
-        ball = [
-            f.refined(spans if f.patches[0].middle().normal[2] < -0.9 else 1) for f in faces
-        ]
-        boundary = cb.Boundary((*[f.patches[0] for f in ball], *wall))
-        conditions = {"body": cb.RigidMotion((1.0, 0.0, 0.0)), "wall": cb.NoSlip()}
-        near = cb.StokesProblem(boundary, viscosity=1.0, conditions=conditions).solve()
-        row(height, near.space.count, near.force("body")[0] / (-6 * pi * exact) - 1)
+        elements = spans + 2 if height > 1.05 else 2 * spans + 2
+        boundary = near_wall(height, elements, rings=2 * spans + 3, across=spans)
+        motion = replace(SLIDING, centre=(0.0, 0.0, height))
+        conditions = {"body": motion, "wall": cb.NoSlip()}
+        near = cb.StokesProblem(boundary, 1.0, conditions, cb.Quadrature(1e-6)).solve()
+        force, torque = near.force("body"), near.torque("body", (0, 0, height))
+        reached = np.array([force[0] / 6, torque[0] / 8, force[2] / 6]) / -pi
+        row(height, near.space.count, *(float(e) for e in reached / exact - 1))
 
     solution = solve(cb.sphere(), 4, 1, cb.RigidMotion((1.0, 0.0, 0.0)))
     if output:
@@ -82,6 +90,35 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
 def bodies(shape: tuple[cb.Nurbs, ...], degree: int, spans: int) -> cb.Boundary:
     patches = tuple(cb.Patch(surface, "body") for surface in shape)
     return cb.Boundary(patches).elevated(degree).refined(spans)
+
+
+def near_wall(
+    height: float, elements: int, *, rings: int = 15, across: int = 6, side: float = 100.0
+) -> cb.Boundary:
+    """A unit sphere at a height over a plate, with elements for the pressure in the gap.
+
+    The gap is height - 1 + r² / 2, so elements grow like √(w² + r²) with w² = 2 (height - 1):
+    there are ``elements`` a side on the face that looks down, knots at w sinh t.  The plate has its
+    elements right below: where they are wider than the gap, only pairs that face each other tell
+    the traction of one surface from that of the other.
+    """
+    width, half = np.sqrt(2 * (height - 1)), pi / 4  # half the angle that the face takes
+    places = np.linspace(-1, 1, elements + 1) * np.arcsinh(half / width)
+    knots = 0.5 + 0.5 * width / half * np.sinh(places)
+    ball = [cb.Patch(surface, "body") for surface in cb.sphere(centre=(0, 0, height))]
+    lowest = min(range(6), key=lambda k: ball[k].middle().normal[2, 0])
+    line = ball[lowest].surface.evaluate(knots, 0.5)
+    below = np.sort(line[np.argmax(np.ptp(line, axis=1))])
+    inner = [knots[1:-1] if k == lowest else [0.5] for k in range(6)]
+    patches = [
+        replace(patch, surface=patch.surface.inserted([new, new]))
+        for patch, new in zip(ball, inner, strict=True)
+    ]
+    middle = 2 * below[-1]
+    under, edge = below[1:-1] / middle + 0.5, np.linspace(0, 1, across + 1)[1:-1]
+    square, *around = cb.plate(middle, side, degree=4, spans=1, rings=rings)
+    wall = [square.inserted([under, under]), *(s.inserted([[], edge]) for s in around)]
+    return cb.Boundary((*patches, *(cb.Patch(surface, "wall") for surface in wall)))
 
 
 def solve(

@@ -208,7 +208,8 @@ class Nodes:
         )]  # fmt: skip
         places = spans[0][:, None, :, None], spans[1][None, :, None, :]
         local = density[:, *places] * panels.surface.weights[places]
-        values = np.einsum("aki,blj,cabij->cabkl", *self.functions, local, optimize=True)
+        along_u, along_v = self.functions
+        values = along_u[None, :, None] @ (local @ along_v.swapaxes(1, 2)[None, None])
         weighted = values * self.weight.reshape(values.shape[1:])
         return np.ascontiguousarray(weighted.reshape(len(density), -1))
 

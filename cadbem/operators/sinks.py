@@ -67,9 +67,28 @@ class PotentialSink:
         v = (first_v[:, None] + np.arange(q))[:, None, :]
         for layout, density in zip(self.layouts, self.densities, strict=True):
             local = density[:, u, v]
+            if not local.any():
+                continue
             for i, row in enumerate(layout):
                 for j, entry in enumerate(row):
                     np.add.at(self.result[i], rows, (values[:, entry] * local[j]).sum(axis=(1, 2)))
+
+
+@dataclass(frozen=True, eq=False)
+class _Block:
+    """Recorded contributions (entries, R, n_u n_v) of a block of functions to some rows."""
+
+    rows: slice | Index
+    values: Array
+    parts: tuple[slice, slice]
+
+    def add(self, sink: PotentialSink) -> None:
+        """Their potentials."""
+        for layout, density in zip(sink.layouts, sink.densities, strict=True):
+            local = density[:, *self.parts].reshape(len(density), -1)
+            if local.any():
+                products = np.einsum("ijrk,jk->ir", self.values[np.array(layout)], local)
+                sink.result[:, self.rows] += products
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,7 +96,7 @@ class Record:
     """Keeps contributions, multiplied by ``sign``, to give potentials again and again."""
 
     sign: float = 1.0
-    blocks: list[tuple[slice | Index, Array, slice, slice]] = field(default_factory=list)
+    blocks: list[_Block] = field(default_factory=list)
     rows_of_pairs: list[tuple[Index, Index, Index, Array]] = field(default_factory=list)
 
     @property
@@ -88,14 +107,14 @@ class Record:
     def block(
         self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
     ) -> None:
-        self.blocks.append((rows, self.sign * (table @ basis), part_u, part_v))
+        self.blocks.append(_Block(rows, self.sign * (table @ basis), (part_u, part_v)))
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         self.rows_of_pairs.append((rows, first_u, first_v, self.sign * values))
 
-    def replay(self, sink: Sink) -> None:
-        """Give everything to another sink."""
-        for rows, table, part_u, part_v in self.blocks:
-            sink.block(rows, table, np.eye(table.shape[2]), part_u, part_v)
+    def replay(self, sink: PotentialSink) -> None:
+        """Give everything to a sink with densities."""
+        for block in self.blocks:
+            block.add(sink)
         for pairs in self.rows_of_pairs:
             sink.pairs(*pairs)

@@ -41,7 +41,7 @@ class Enclosure:
         return NearestSearch(self.boundary)
 
     @cached_property
-    def _two_sided(self) -> NDArray[np.bool_]:
+    def two_sided(self) -> NDArray[np.bool_]:
         """Which patches belong to open surfaces; the last, of no patch, does not."""
         two_sided = np.zeros(len(self.boundary.patches) + 1, dtype=bool)
         for surface in closed_surfaces(self.boundary):
@@ -52,7 +52,7 @@ class Enclosure:
         """Signed distances of points (dim, M) to the boundary, of those within ``reach`` of it."""
         near = self._search.find(np.asarray(points, dtype=float), reach)
         behind = ~near.before & (near.patch >= 0)
-        two_sided = self._two_sided[near.patch]
+        two_sided = self.two_sided[near.patch]
         distance = np.where(behind & ~two_sided, -near.distance, near.distance)
         normal = np.where(behind & two_sided, -near.normal, near.normal)
         return Clearance(distance, near.patch, normal)

@@ -90,8 +90,10 @@ class MixedSystem:
 
         ``constraints`` (k,) are the right sides of the border's rows.
         """
-        right = self.free_term * self.space.values(value) - source
-        right -= self.layers.apply(self.flux_factor * flux, value)
+        right = np.zeros((self.layers.kernel.rows, self.layers.entries.shape[1])) - source
+        if value.any() or flux.any():
+            right += self.free_term * self.space.values(value)
+            right -= self.layers.apply(self.flux_factor * flux, value)
         return self.factors.solve(right, constraints)
 
     def flux_responses(self, patches: Sequence[int]) -> Array:

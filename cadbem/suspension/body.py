@@ -107,6 +107,10 @@ class Body(Protocol):
         """A length: the root of its volume."""
 
     @property
+    def centre(self) -> Array:
+        """Centre of volume (dim,)."""
+
+    @property
     def coordinates(self) -> Array:
         """All that changes in time, flat."""
 

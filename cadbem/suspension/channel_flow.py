@@ -6,13 +6,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.interactions import Targets
-from cadbem.operators.nearest import NearestSearch
 from cadbem.operators.potentials import Potentials
 from cadbem.problems.conditions import Inflow, Pressure, Traction
+from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
 from cadbem.spline.basis import Array
@@ -57,34 +56,25 @@ class ChannelFlow:
         return _AtPoints(self, Potentials(kernel, space, targets, quadrature))
 
     @cached_property
-    def _search(self) -> NearestSearch:
-        return NearestSearch(self.problem.boundary)
+    def _enclosure(self) -> Enclosure:
+        return Enclosure(self.problem.boundary)
 
     def nearest(self, points: Array, reach: float) -> Nearest:
-        """The boundary near points (dim, M), as far as a ``reach``.
+        """The boundary near points (dim, M) of one body, as far as a ``reach``.
 
-        A thin plate has fluid on both sides: the side on which most of the points are counts as
-        inside.
+        A thin plate has fluid on both sides; there, the side of most of the points is inside.
         """
-        found = self._search.find(points, reach)
-        outside = (found.patch >= 0) & ~found.before
-        thin = self._thin[found.patch] & (found.patch >= 0)
-        for patch in np.unique(found.patch[thin]):
-            here = found.patch == patch
-            outside[here] ^= 2 * np.count_nonzero(outside[here]) > np.count_nonzero(here)
-        patches = self.problem.boundary.patches
-        conditions = self.problem.conditions
+        found = self._enclosure.clearance(points, reach)
+        patches, thin = self.problem.boundary.patches, self._enclosure.two_sided
+        distance = found.distance.copy()
+        for patch in np.unique(found.patch[thin[found.patch]]):
+            here = np.nonzero(found.patch == patch)[0]
+            sides = found.normal[:, here]
+            distance[here[sides.sum(axis=1) @ sides < 0]] *= -1
         names = [patches[i].name if i >= 0 else "" for i in found.patch]
-        opening = [isinstance(conditions.get(n), Inflow | Pressure | Traction) for n in names]
-        distance = np.where(outside, -found.distance, found.distance)
+        kinds = [self.problem.conditions.get(n) for n in names]
+        opening = [isinstance(kind, Inflow | Pressure | Traction) for kind in kinds]
         return Nearest(distance, names, np.array(opening))
-
-    @cached_property
-    def _thin(self) -> NDArray[np.bool_]:
-        """Which patches are thin plates."""
-        thin = self.problem.thin
-        firsts = self.problem.space.offsets[:-1]
-        return thin[list(firsts)]
 
     def solution(self, induced: Array) -> StokesSolution:
         """The flow with bodies that make ``induced`` (dim, W) at the walls, without the field

@@ -1,4 +1,4 @@
-"""A run kept: its states, and what became of its first droplet over time."""
+"""A run kept: its states, and what became of bodies over time."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from cadbem.suspension.volume import volume
 class History:
     """The ``states`` of a run in the order of time, and the CPU ``seconds`` that they took.
 
-    Quantities over time are those of the first droplet.
+    Shapes over time are those of the first droplet.
     """
 
     states: tuple[State, ...]
@@ -40,6 +40,12 @@ class History:
     def of(self, quantity: Callable[[ClosedSpline], float]) -> Array:
         """A quantity of the shape at each time (N,)."""
         return np.array([quantity(state.droplet.shape) for state in self.states])
+
+    def track(self, number: int = 1) -> tuple[Array, Array]:
+        """Times (N,) and centres (dim, N) of the body of a number, as long as it was there."""
+        here = [s for s in self.states if number in s.numbers]
+        centres = [s.bodies[s.numbers.index(number)].centre for s in here]
+        return np.array([s.time for s in here]), np.array(centres).T
 
     @cached_property
     def deformation(self) -> Array:
