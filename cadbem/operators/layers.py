@@ -6,10 +6,11 @@ import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import product
 
 import numpy as np
-from threadpoolctl import threadpool_limits
+from threadpoolctl import ThreadpoolController
 from tqdm import tqdm
 
 from cadbem.kernels.kernel import Kernel
@@ -89,9 +90,15 @@ def tasks(space: Space, count: int) -> list[Task]:
     return [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
 
 
+@lru_cache(maxsize=1)
+def _libraries() -> ThreadpoolController:
+    """What controls the threads of linear algebra; finding the libraries takes a while."""
+    return ThreadpoolController()
+
+
 def run_tasks(work: Callable[[int, Task], None], jobs: Sequence[Task], label: str) -> None:
     """Do ``work(number, task)`` on all cores; what tasks write does not overlap."""
-    with threadpool_limits(1), ThreadPoolExecutor(os.cpu_count()) as pool:
+    with _libraries().limit(limits=1), ThreadPoolExecutor(os.cpu_count()) as pool:
         futures = [pool.submit(work, k, job) for k, job in enumerate(jobs)]
         try:
             for future in tqdm(futures, desc=label, delay=2.0, leave=False, disable=None):

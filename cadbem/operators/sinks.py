@@ -5,9 +5,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from functools import cached_property
+from typing import Any, Protocol
 
 import numpy as np
+from numba import njit
 
 from cadbem.kernels.kernel import Index, Layout
 from cadbem.spline.basis import Array
@@ -67,54 +69,64 @@ class PotentialSink:
         v = (first_v[:, None] + np.arange(q))[:, None, :]
         for layout, density in zip(self.layouts, self.densities, strict=True):
             local = density[:, u, v]
-            if not local.any():
-                continue
             for i, row in enumerate(layout):
                 for j, entry in enumerate(row):
                     np.add.at(self.result[i], rows, (values[:, entry] * local[j]).sum(axis=(1, 2)))
 
 
 @dataclass(frozen=True, eq=False)
-class _Block:
-    """Recorded contributions (entries, R, n_u n_v) of a block of functions to some rows."""
-
-    rows: slice | Index
-    values: Array
-    parts: tuple[slice, slice]
-
-    def add(self, sink: PotentialSink) -> None:
-        """Their potentials."""
-        for layout, density in zip(sink.layouts, sink.densities, strict=True):
-            local = density[:, *self.parts].reshape(len(density), -1)
-            if local.any():
-                products = np.einsum("ijrk,jk->ir", self.values[np.array(layout)], local)
-                sink.result[:, self.rows] += products
-
-
-@dataclass(frozen=True, eq=False)
 class Record:
-    """Keeps contributions, multiplied by ``sign``, to give potentials again and again."""
+    """Keeps contributions, multiplied by ``sign``, to give potentials again and again.
+
+    ``kept``: tuples of rows, first functions in both directions, and values, as of ``pairs``.
+    """
 
     sign: float = 1.0
-    blocks: list[_Block] = field(default_factory=list)
-    rows_of_pairs: list[tuple[Index, Index, Index, Array]] = field(default_factory=list)
+    kept: list[tuple[Index, Index, Index, Array]] = field(default_factory=list)
 
     @property
     def negative(self) -> Record:
         """A sink that takes away from the same record."""
-        return Record(-self.sign, self.blocks, self.rows_of_pairs)
+        return Record(-self.sign, self.kept)
 
     def block(
         self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
     ) -> None:
-        self.blocks.append(_Block(rows, self.sign * (table @ basis), (part_u, part_v)))
+        shape = part_u.stop - part_u.start, part_v.stop - part_v.start
+        values = (table @ basis).swapaxes(0, 1)
+        values = np.ascontiguousarray(values).reshape(*values.shape[:2], *shape)
+        rows = np.asarray(rows)
+        self.pairs(rows, np.full_like(rows, part_u.start), np.full_like(rows, part_v.start), values)
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        self.rows_of_pairs.append((rows, first_u, first_v, self.sign * values))
+        self.kept.append((rows, first_u, first_v, self.sign * values))
+
+    @cached_property
+    def _together(self) -> list[Any]:
+        return [np.concatenate(parts) for parts in zip(*self.kept, strict=True)]
 
     def replay(self, sink: PotentialSink) -> None:
-        """Give everything to a sink with densities."""
-        for block in self.blocks:
-            block.add(sink)
-        for pairs in self.rows_of_pairs:
-            sink.pairs(*pairs)
+        """Give everything to a sink with densities; afterwards nothing can be added."""
+        for layout, density in zip(sink.layouts, sink.densities, strict=True):
+            if self.kept and density.any():
+                rows, first_u, first_v, values = self._together
+                add_pairs(rows, first_u, first_v, values, np.array(layout), density, sink.result)
+
+
+@njit(cache=True, nogil=True, fastmath=True)
+def add_pairs(rows, first_u, first_v, values, layout, density, result):
+    """Add potentials of a density (components, n_u, n_v) to ``result`` (rows, T)."""
+    for k in range(len(rows)):
+        part = density[
+            :,
+            first_u[k] : first_u[k] + values.shape[2],
+            first_v[k] : first_v[k] + values.shape[3],
+        ]
+        for i in range(layout.shape[0]):
+            total = 0.0
+            for j in range(layout.shape[1]):
+                entry = values[k, layout[i, j]]
+                for a in range(entry.shape[0]):
+                    for b in range(entry.shape[1]):
+                        total += entry[a, b] * part[j, a, b]
+            result[i, rows[k]] += total

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -14,6 +14,7 @@ from cadbem.problems.conditions import Inflow, Pressure, Traction
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
+from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 from cadbem.suspension.surroundings import Nearest
 
@@ -22,10 +23,12 @@ from cadbem.suspension.surroundings import Nearest
 class ChannelFlow:
     """The fluid in a channel; the ``problem``'s matrix is assembled and factorised once.
 
-    ``deflated`` False leaves the droplets' equations as they stand, for comparison.
+    ``quadrature`` serves the walls' field at the bodies; ``deflated`` False leaves the droplets'
+    equations as they stand, for comparison.
     """
 
     problem: StokesProblem
+    quadrature: Rules = field(default_factory=lambda: Quadrature(1e-5))
     deflated: bool = True
 
     @property
@@ -52,8 +55,8 @@ class ChannelFlow:
         """The flow at points (dim, M) off the walls."""
         kernel, _ = stokes_kernels(len(points))
         targets = Targets.free(np.ascontiguousarray(points))
-        space, quadrature = self.problem.space, self.problem.quadrature
-        return _AtPoints(self, Potentials(kernel, space, targets, quadrature))
+        potentials = Potentials(kernel, self.problem.space, targets, self.quadrature)
+        return _AtPoints(self, potentials)
 
     @cached_property
     def _enclosure(self) -> Enclosure:

@@ -181,12 +181,13 @@ class PlacedDroplet:
 @dataclass(frozen=True, eq=False)
 class Response:
     """An interface's ``velocity``, coefficients (dim, *shape), the ``jump`` that goes with it, the
-    ``densities`` of all that the droplet makes outside, and the number of ``iterations`` that the
-    equations took."""
+    ``densities`` of all that the droplet makes outside, the equations' ``unknown``, and the number
+    of ``iterations`` that they took."""
 
     velocity: Array
     jump: Jump
     densities: Densities
+    unknown: Array
     iterations: int
 
 
@@ -245,4 +246,4 @@ class _Equation:
         velocity = self.interface.velocity(unknown)
         # with the rigid part, which makes nothing outside but counts inside
         double = (1 - self.interface.viscosity_ratio) * velocity if self.couples else None
-        return Response(velocity, self.jump, (self.load[0], double), iterations)
+        return Response(velocity, self.jump, (self.load[0], double), unknown, iterations)

@@ -44,7 +44,7 @@ class RigidParticle:
     position: ArrayLike | None = None
     force: Vector = 0.0
     torque: Vector = 0.0
-    quadrature: Rules = field(default_factory=Quadrature)
+    quadrature: Rules = field(default_factory=lambda: Quadrature(1e-6))
     turn: Array | None = None
 
     def __post_init__(self) -> None:
@@ -215,13 +215,14 @@ class PlacedParticle:
 class ParticleResponse:
     """The ``velocity`` (dim,) of a particle's ``centre`` and its ``angular_velocity`` (3,), or (1,)
     in a plane; the ``traction`` on it in its own axes, a field; the ``densities`` of all that it
-    makes, and the number of ``iterations`` that the equations took."""
+    makes, the equations' ``unknown``, and the number of ``iterations`` that they took."""
 
     centre: Array
     velocity: Array
     angular_velocity: Array
     traction: Field
     densities: Densities
+    unknown: Array
     iterations: int
 
     def velocity_at(self, points: Array) -> Array:
@@ -291,6 +292,7 @@ class _Equation:
             angular_velocity=self.turn @ spin if len(spin) == 3 else spin,
             traction=traction,
             densities=self.densities(unknown),
+            unknown=unknown,
             iterations=iterations,
         )
 

@@ -66,9 +66,9 @@ class Simulation:
         """The first droplet at the beginning."""
         return self.start.droplet
 
-    def respond(self, placed: Sequence[Placed]) -> list[Any]:
+    def respond(self, placed: Sequence[Placed], guess: Sequence[Array]) -> list[Any]:
         """The response of each body."""
-        return respond_together(self.flow, placed, self.contact)
+        return respond_together(self.flow, placed, self.contact, guess)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
@@ -95,7 +95,7 @@ class Simulation:
 
     def _march(self, end: float) -> Iterator[tuple[_Point, _Point]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
-        point = _Point(self.start, self._slope(self.start))
+        point = _Point(self.start, self.slope(self.start))
         length = self.stepper.first_length(self.fastest(self.start))
         while point.state.time < end * (1 - 1e-12):
             length = min(length, end - point.state.time)
@@ -110,15 +110,16 @@ class Simulation:
         state, largest = point.state, self.fastest(point.state)
         length, evaluations = min(length, self.stepper.bound(largest)), state.evaluations
         while length > smallest:
+            rate = _Rate(self, state, state.guess)
             try:
                 step = self.stepper.attempt(
-                    lambda flat: self._slope(_moved(state, flat)),
-                    _coordinates(state), point.slope, length, largest,
-                )  # fmt: skip
+                    rate, _coordinates(state), point.slope, length, largest
+                )
                 evaluations += step.evaluations
                 accepted, following = self.stepper.next_length(length, self._error(state, step))
                 if accepted:
-                    after = self._accept(state, step, length, evaluations)
+                    old = replace(state, guess=rate.guess)
+                    after = self._accept(old, step, length, evaluations)
                     if not _collides(state, after.state):
                         return after, following
                     following = length / 2
@@ -150,7 +151,7 @@ class Simulation:
             state = replace(state, stopped="; ".join(state.left.values()))
         if step.slope is None or self.mesh is not None:
             state = replace(state, evaluations=evaluations + 1)
-            return _Point(state, self._slope(state))
+            return _Point(state, self.slope(state))
         return _Point(state, step.slope)
 
     def _without_left(self, point: _Point) -> _Point:
@@ -160,8 +161,9 @@ class Simulation:
         if len(stay) == len(state.numbers):
             return point
         bodies = tuple(state.bodies[i] for i in stay)
-        state = replace(state, bodies=bodies, numbers=tuple(state.numbers[i] for i in stay))
-        return _Point(state, self._slope(state))
+        numbers = tuple(state.numbers[i] for i in stay)
+        state = replace(state, bodies=bodies, numbers=numbers, guess=())
+        return _Point(state, self.slope(state))
 
     def _with_starts(self, state: State) -> list[tuple[Body, Body]]:
         """Each body, and what it was at the beginning."""
@@ -177,7 +179,7 @@ class Simulation:
         parts = np.split(step.error, _ends(state))
         return max(b.error(part) for b, part in zip(state.bodies, parts, strict=True))
 
-    def _slope(self, state: State) -> Array:
+    def slope(self, state: State) -> Array:
         """Rate of change of all coordinates, flat."""
         pairs = zip(state.placed, state.responses, strict=True)
         return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
@@ -198,6 +200,21 @@ class Simulation:
         )
         state = replace(_moved(end, flat), time=time)
         return replace(state, bodies=self._repaired(state, None))
+
+
+@dataclass(eq=False)
+class _Rate:
+    """The rate of a state's coordinates elsewhere; it remembers the latest unknowns as a guess."""
+
+    simulation: Simulation
+    state: State
+    guess: tuple[Array, ...]
+
+    def __call__(self, flat: Array) -> Array:
+        state = replace(_moved(self.state, flat), guess=self.guess)
+        slope = self.simulation.slope(state)
+        self.guess = tuple(r.unknown for r in state.responses)
+        return slope
 
 
 def _coordinates(state: State) -> Array:

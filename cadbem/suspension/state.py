@@ -32,7 +32,8 @@ class State:
     ``steps`` and ``evaluations`` of the velocities so far, the ``length`` of the last step, and
     ``drift``, the largest relative error of a volume that it made, before correction.
 
-    ``left`` tells of each body that has left the channel, by its number, when and where.
+    ``left`` tells of each body that has left the channel, by its number, when and where;
+    ``guess`` has unknowns of the bodies' equations a moment ago, or nothing.
     ``stopped`` is empty, or says why a run ended early.
     """
 
@@ -46,6 +47,7 @@ class State:
     drift: float = 0.0
     stopped: str = ""
     left: dict[int, str] = field(default_factory=dict)
+    guess: tuple[Array, ...] = ()
 
     @property
     def droplets(self) -> tuple[Droplet, ...]:
@@ -79,7 +81,7 @@ class State:
     @cached_property
     def responses(self) -> list[Any]:
         """The ``Response`` of each droplet, the ``ParticleResponse`` of each particle."""
-        return self.simulation.respond(self.placed)
+        return self.simulation.respond(self.placed, self.guess)
 
     @property
     def response(self) -> Any:

@@ -30,13 +30,18 @@ Numbers = tuple[int, ...]
 
 
 def respond_together(
-    surroundings: Surroundings, bodies: Sequence[Placed], contact: Contact = NO_PUSH
+    surroundings: Surroundings,
+    bodies: Sequence[Placed],
+    contact: Contact = NO_PUSH,
+    guess: Sequence[Array] = (),
 ) -> list[Any]:
     """The response of each of several bodies, which a ``contact`` rule may push apart.
 
+    A ``guess`` of all unknowns, such as those of a moment ago, saves iterations.
+
     Raises ConditionError when the iteration fails, or when two laws have an unknown of their own.
     """
-    meeting = Meeting(surroundings, tuple(bodies), contact)
+    meeting = Meeting(surroundings, tuple(bodies), contact, tuple(guess))
     for i, body in enumerate(bodies):
         if isinstance(body, PlacedDroplet) and body.jump is None:
             return _close(meeting, i, body)
@@ -60,6 +65,7 @@ class Meeting:
     surroundings: Surroundings
     bodies: tuple[Placed, ...]
     contact: Contact = NO_PUSH
+    guess: tuple[Array, ...] = ()
     _views: dict[tuple[int, Numbers], Seen] = field(default_factory=dict)
     _incidents: dict[Numbers, Incident] = field(default_factory=dict)
 
@@ -193,10 +199,13 @@ class _System:
             values = _split(flat.reshape(dim, -1), rights)
             return np.concatenate(self._apply(values), axis=1).ravel()
 
-        right = np.concatenate(rights, axis=1).ravel()
+        right, start = np.concatenate(rights, axis=1).ravel(), None
+        if self.meeting.guess:
+            parts = [self.meeting.guess[i] for i in self._coupled]
+            start = np.concatenate(parts, axis=1).ravel()
         system = LinearOperator((right.size, right.size), apply, dtype=float)
         solution, failed = gmres(
-            system, right, x0=right, rtol=SOLVER_TOLERANCE,
+            system, right, x0=right if start is None else start, rtol=SOLVER_TOLERANCE,
             restart=60, maxiter=5, callback=residuals.append, callback_type="pr_norm",
         )  # fmt: skip
         if failed:
