@@ -54,9 +54,7 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
     for shape, degree in ((cb.sphere_octants, 2), (cb.sphere_octants, 3), (cb.sphere, 4)):
         title = f"{shape.__name__}, degree {degree}, held in a paraboloidal flow"
         convergence(title, counts, [faxen(shape, degree, n) for n in counts])
-    convergence(
-        "ellipsoid 2 : 1 : 1, degree 4, pulled", counts, [perrin(4, n) for n in counts]
-    )
+    convergence("ellipsoid 2 : 1 : 1, degree 4, pulled", counts, [perrin(4, n) for n in counts])
 
     # Several bodies; a wall as a thin plate, whose traction is that of both its sides together
     half = max(1, spans // 2)
