@@ -176,6 +176,12 @@ class Boundary:
         shares = np.array([ratio**k for k in range(levels, 0, -1)])
         return self._mapped(lambda s: s.inserted(_graded_knots(s, shares, toward)))
 
+    def turned(self) -> Boundary:
+        """The same surface with its normals the other way: fluid and solid exchanged."""
+        if self.dimension == 2:
+            return self._mapped(lambda s: s.reversed())
+        return self._mapped(lambda s: s.swapped())
+
     def _mapped(self, change: Callable[[Nurbs], Nurbs]) -> Boundary:
         patches = [replace(p, surface=change(p.surface)) for p in self.patches]
         return replace(self, patches=tuple(patches))

@@ -69,6 +69,10 @@ class Placed(Protocol):
     def targets(self) -> Array:
         """Points (dim, N) at which it must know the velocity."""
 
+    @property
+    def samples(self) -> Array:
+        """Points (dim, M) all over the surface, closer together than the targets."""
+
     def seen_from(self, points: Array) -> Seen:
         """The body as seen from points (dim, M) off it."""
 

@@ -132,7 +132,7 @@ def _to_walls(
     surroundings: Surroundings, body: Placed, reach: float
 ) -> tuple[float, str, float, str]:
     """Signed distance to the nearest wall, and its name; the same for openings."""
-    seen = surroundings.nearest(body.targets, reach)
+    seen = surroundings.nearest(body.samples, reach)
     result: list = []
     for of_kind in (~seen.opening, seen.opening):
         here = np.nonzero(of_kind)[0]
@@ -146,10 +146,10 @@ def _to_walls(
 
 def between(body: Placed, other: Placed, reach: float) -> float:
     """Narrowest gap between two bodies, negative if they overlap, inf beyond reach."""
-    close = _near(body.targets, other, reach)
+    close = _near(body.samples, other, reach)
     if not close.any():
         return float("inf")
-    return float(other.distance(body.targets[:, close]).min())
+    return float(other.distance(body.samples[:, close]).min())
 
 
 def push(

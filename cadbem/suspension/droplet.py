@@ -125,6 +125,11 @@ class PlacedDroplet:
         return self.layers.targets.position
 
     @property
+    def samples(self) -> Array:
+        """The quadrature points (dim, M)."""
+        return self.layers.points.position
+
+    @property
     def jump(self) -> Jump | None:
         """The traction's jump, unless the law has an unknown of its own."""
         law = self.body.interface

@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import ShapeError
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature, Rules
@@ -48,17 +47,7 @@ class RigidParticle:
     turn: Array | None = None
 
     def __post_init__(self) -> None:
-        points, weights = self.shape.quadrature()
-        if np.linalg.norm(points.normal @ weights) > 1e-6 * weights.sum():
-            raise ShapeError(
-                f"the rigid particle's shape {self.shape.source or ''} is not closed: give all "
-                "faces of a solid"
-            )
-        if self.shape.volume() > 0:
-            raise ShapeError(
-                "the normals of the rigid particle's shape point inwards: use "
-                "shape.turned_inside_out()"
-            )
+        resistance(self.shape, self.quadrature)
 
     @property
     def dimension(self) -> int:
@@ -153,9 +142,17 @@ class PlacedParticle:
     @cached_property
     def targets(self) -> Array:
         """The collocation points (dim, N)."""
-        own = self.body.resistance
-        arm = own.space.collocation.position - own.centre[:, None]
+        return self._world(self.body.resistance.space.collocation.position)
+
+    def _world(self, points: Array) -> Array:
+        """Points (dim, M) of the body's axes."""
+        arm = points - self.body.resistance.centre[:, None]
         return self._turn @ arm + self.body.pose.position[:, None]
+
+    @cached_property
+    def samples(self) -> Array:
+        """Points (dim, M) of a Gauss rule on the surface."""
+        return self._world(self.body.resistance.surface[0].position)
 
     def seen_from(self, points: Array) -> SeenParticle:
         """The particle as seen from points (dim, M) off it."""
@@ -182,16 +179,14 @@ class PlacedParticle:
             return load
         own = self.body.resistance
         points, weights = own.surface
-        arm = points.position - own.centre[:, None]
-        pressure = push(self._turn @ arm + self.body.pose.position[:, None])
-        modes = rigid_motions(arm)
+        pressure = push(self._world(points.position))
+        modes = rigid_motions(points.position - own.centre[:, None])
         return load - np.einsum("mcn,cn,n->m", modes, points.normal, pressure * weights)
 
     @property
     def spacing(self) -> float:
         """Mean distance of the collocation points."""
-        own = self.body.resistance
-        return (own.boundary.area() / own.space.count) ** (1 / (own.dimension - 1))
+        return self.body.resistance.spacing
 
     def distance(self, points: Array) -> Array:
         """Distance (M,) of points (dim, M) from the surface, negative inside."""

@@ -19,6 +19,7 @@ from functools import cached_property, lru_cache
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.errors import ShapeError
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.layers import assemble_layers, collocation_targets
@@ -30,6 +31,7 @@ from cadbem.space import Field, Space, discontinuous_space, rational_basis
 from cadbem.spline.basis import Array
 from cadbem.suspension.pose import rigid_motions
 
+OPEN = 1e-6  # |∫ n dS| over the area from which a surface counts as open
 SURFACE_ORDER = 8  # Gauss points a direction in each element
 
 
@@ -39,6 +41,19 @@ class Resistance:
 
     boundary: Boundary
     quadrature: Rules
+
+    def __post_init__(self) -> None:
+        points, weights = self.surface
+        if np.linalg.norm(points.normal @ weights) > OPEN * weights.sum():
+            raise ShapeError(
+                f"the rigid particle's shape {self.boundary.source} is not closed: give all faces "
+                "of a solid"
+            )
+        if self.volume < 0:
+            raise ShapeError(
+                "the normals of the rigid particle's shape point inwards, as those of a fluid's "
+                "boundary: use shape.turned()"
+            )
 
     @property
     def dimension(self) -> int:
@@ -57,13 +72,19 @@ class Resistance:
 
     @cached_property
     def volume(self) -> float:
-        """Volume, or area in 2D; positive."""
+        """Volume, or area in 2D."""
         return -self.boundary.volume()
 
     @cached_property
     def surface(self) -> tuple[SurfacePoints, Array]:
         """Points and weights for integrals over the surface."""
         return self.boundary.quadrature(SURFACE_ORDER)
+
+    @cached_property
+    def spacing(self) -> float:
+        """Mean distance of the collocation points."""
+        share = float(self.surface[1].sum()) / self.space.count
+        return share ** (1 / (self.dimension - 1))
 
     @cached_property
     def centre(self) -> Array:

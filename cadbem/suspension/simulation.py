@@ -25,6 +25,7 @@ from cadbem.suspension.together import respond_together
 from cadbem.suspension.volume import CorrectVolume
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
+FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
 COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
@@ -96,7 +97,7 @@ class Simulation:
     def _march(self, end: float) -> Iterator[tuple[_Point, _Point]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
         point = _Point(self.start, self.slope(self.start))
-        length = self.stepper.first_length(self.fastest(self.start))
+        length = self.stepper.first_length(self._first_rate(point))
         while point.state.time < end * (1 - 1e-12):
             length = min(length, end - point.state.time)
             after, length = self._step(point, length, SMALLEST_STEP * end)
@@ -116,7 +117,8 @@ class Simulation:
                     rate, _coordinates(state), point.slope, length, largest
                 )
                 evaluations += step.evaluations
-                accepted, following = self.stepper.next_length(length, self._error(state, step))
+                error = self._error(state, step.error)
+                accepted, following = self.stepper.next_length(length, error, step.power)
                 if accepted:
                     old = replace(state, guess=rate.guess)
                     after = self._accept(old, step, length, evaluations)
@@ -174,15 +176,20 @@ class Simulation:
         """Bodies with the right volume, and their points relaxed."""
         return tuple(b.repaired(start, self.volume, mesh) for b, start in self._with_starts(state))
 
-    def _error(self, state: State, step: Step) -> float:
-        """Largest error of a body, relative to its size."""
-        parts = np.split(step.error, _ends(state))
+    def _error(self, state: State, change: Array) -> float:
+        """Largest displacement of a body in a change of coordinates, relative to its size."""
+        parts = np.split(change, _ends(state))
         return max(b.error(part) for b, part in zip(state.bodies, parts, strict=True))
 
     def slope(self, state: State) -> Array:
         """Rate of change of all coordinates, flat."""
         pairs = zip(state.placed, state.responses, strict=True)
         return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
+
+    def _first_rate(self, point: _Point) -> float:
+        """The fastest rate at the beginning, that of motion included."""
+        motion = self._error(point.state, point.slope)
+        return max(self.fastest(point.state), FIRST_MOVES * motion)
 
     def fastest(self, state: State) -> float:
         """Rate at which the shortest waves that the points carry relax, at most."""

@@ -3,7 +3,8 @@
 Capillary relaxation is stiff with real negative rates, the largest growing with the number of
 points.  The default method is therefore a stabilised explicit one, Runge-Kutta-Chebyshev of second
 order (Sommeijer, Shampine and Verwer 1997): s stages are stable for steps of about 0.65 s² over the
-largest rate.
+largest rate.  Rigid particles alone have no such rates; they take the steps of order 5 of Dormand
+and Prince.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from math import ceil, sqrt
 
 import numpy as np
 from numpy.polynomial.chebyshev import Chebyshev
+from scipy.integrate import RK45
 
 from cadbem.spline.basis import Array
 
@@ -25,12 +27,13 @@ DAMPING = 2 / 13
 @dataclass(frozen=True, eq=False)
 class Step:
     """What came of an attempt: the new ``state``, its ``slope`` if known, the estimated ``error``
-    (an array like the state), and the ``evaluations`` spent."""
+    (an array like the state) and its power of the step's length, and the ``evaluations`` spent."""
 
     state: Array
     slope: Array | None
     error: Array
     evaluations: int
+    power: int = 3
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class Euler:
         """Length of the first step."""
         return self.step
 
-    def next_length(self, length: float, error: float) -> tuple[bool, float]:
+    def next_length(self, length: float, error: float, power: int) -> tuple[bool, float]:
         """Whether a step is accepted, and the length of the next attempt."""
         return True, self.step
 
@@ -71,6 +74,8 @@ class Adaptive:
         self, rate: Rate, state: Array, slope: Array, length: float, largest: float
     ) -> Step:
         """One step; ``slope`` is the rate at its beginning, ``largest`` the fastest decay rate."""
+        if largest == 0.0:
+            return _dormand_prince(rate, state, slope, length)
         stages = min(max(2, 1 + ceil(sqrt(1 + 1.54 * length * largest))), self.stages)
         coefficients = chebyshev_coefficients(stages)
         before, current = state, state + coefficients[0] * length * slope
@@ -92,10 +97,12 @@ class Adaptive:
         """Length of the first step: one that plain Euler could take."""
         return min(1.0 / max(largest, 1e-12), self.longest)
 
-    def next_length(self, length: float, error: float) -> tuple[bool, float]:
-        """Whether a step is accepted, and the length of the next attempt."""
+    def next_length(self, length: float, error: float, power: int) -> tuple[bool, float]:
+        """Whether a step is accepted, and the length of the next attempt.
+
+        The ``error`` is proportional to the length to a ``power``."""
         share = error / self.tolerance
-        factor = min(max(0.8 * max(share, 1e-9) ** (-1 / 3), 0.2), 2.0)
+        factor = min(max(0.8 * max(share, 1e-9) ** (-1 / power), 0.2), 2.0)
         return share <= 1.0, min(length * factor, self.longest)
 
     def bound(self, largest: float) -> float:
@@ -104,6 +111,17 @@ class Adaptive:
 
 
 Stepper = Euler | Adaptive
+
+
+def _dormand_prince(rate: Rate, state: Array, slope: Array, length: float) -> Step:
+    """A step of order 5 with an error estimate of order 4, by SciPy's coefficients."""
+    slopes = [slope]
+    for row in RK45.A[1:]:
+        slopes.append(rate(state + length * np.tensordot(row[: len(slopes)], slopes, 1)))
+    end = state + length * np.tensordot(RK45.B, slopes, 1)
+    slopes.append(rate(end))
+    error = length * np.tensordot(RK45.E, slopes, 1)
+    return Step(end, slopes[-1], error, len(slopes) - 1, power=5)
 
 
 @lru_cache(maxsize=64)
