@@ -14,7 +14,7 @@ from cadbem.errors import ConditionError, ShapeError
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import Body, Placed
-from cadbem.suspension.closeness import Contact, Gap, StopAtGap, check_start
+from cadbem.suspension.closeness import Contact, StopAtGap, check_start
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.mesh import RelaxMesh
 from cadbem.suspension.motion import Motion, affine_velocity
@@ -121,9 +121,9 @@ class Simulation:
                 accepted, following = self.stepper.next_length(length, error, step.power)
                 if accepted:
                     old = replace(state, guess=rate.guess)
-                    after = self._accept(old, step, length, evaluations)
-                    if not _collides(state, after.state):
-                        return after, following
+                    moved = self._repaired(_moved(old, step.state), self.mesh)
+                    if not _too_far(state, moved):
+                        return self._accept(old, moved, step, length, evaluations), following
                     following = length / 2
             except (ShapeError, ConditionError):
                 following = length / 4
@@ -134,14 +134,14 @@ class Simulation:
         )
         return replace(point, state=replace(state, stopped=reason)), length
 
-    def _accept(self, old: State, step: Step, length: float, evaluations: int) -> _Point:
-        """The point that a step leads to, repaired; the old one, stopped, if it is not sound."""
-        moved = _moved(old, step.state)
-        drifts = [b.drift(start) for b, start in self._with_starts(moved)]
+    def _accept(
+        self, old: State, moved: State, step: Step, length: float, evaluations: int
+    ) -> _Point:
+        """The point that a step leads to; the old one, stopped, if it is not sound."""
+        drifts = [b.drift(start) for b, start in self._with_starts(_moved(old, step.state))]
         state = replace(
-            moved, time=old.time + length, bodies=self._repaired(moved, self.mesh),
-            steps=old.steps + 1, evaluations=evaluations, length=length,
-            drift=max(drifts, key=abs),
+            moved, time=old.time + length, steps=old.steps + 1, evaluations=evaluations,
+            length=length, drift=max(drifts, key=abs),
         )  # fmt: skip
         reasons = [b.unresolved() for b in state.bodies]
         reasons += [self.contact.reason(gap) for gap in state.gaps]
@@ -172,9 +172,11 @@ class Simulation:
         starts = [self.start.bodies[n - 1] for n in state.numbers]
         return list(zip(state.bodies, starts, strict=True))
 
-    def _repaired(self, state: State, mesh: RelaxMesh | None) -> tuple[Body, ...]:
-        """Bodies with the right volume, and their points relaxed."""
-        return tuple(b.repaired(start, self.volume, mesh) for b, start in self._with_starts(state))
+    def _repaired(self, state: State, mesh: RelaxMesh | None) -> State:
+        """The state with the right volumes, and points relaxed."""
+        pairs = self._with_starts(state)
+        bodies = tuple(b.repaired(start, self.volume, mesh) for b, start in pairs)
+        return replace(state, bodies=bodies)
 
     def _error(self, state: State, change: Array) -> float:
         """Largest displacement of a body in a change of coordinates, relative to its size."""
@@ -205,8 +207,7 @@ class Simulation:
             + s**2 * (3 - 2 * s) * _coordinates(end)
             + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
         )
-        state = replace(_moved(end, flat), time=time)
-        return replace(state, bodies=self._repaired(state, None))
+        return self._repaired(replace(_moved(end, flat), time=time), None)
 
 
 @dataclass(eq=False)
@@ -240,12 +241,16 @@ def _moved(state: State, flat: Array) -> State:
     return replace(state, bodies=tuple(bodies))
 
 
-def _collides(before: State, after: State) -> bool:
-    """Whether a step made surfaces overlap, or a narrow gap less than half as wide."""
-    widths: dict[int, Gap] = {gap.body: gap for gap in before.gaps}
+def _too_far(before: State, after: State) -> bool:
+    """Whether a step made surfaces overlap, left less than half of a narrow gap, or carried a body
+    near a wall on by more than its gap, so that it may have cut a corner."""
+    pairs = zip(before.bodies, after.bodies, strict=True)
+    ways = [np.linalg.norm(new.centre - old.centre) for old, new in pairs]
     return any(
-        gap.length <= 0 or gap.share < COMFORTABLE and gap.length < widths[gap.body].length / 2
-        for gap in after.gaps
+        now.length <= 0
+        or now.share < COMFORTABLE and now.length < gap.length / 2
+        or now.length < np.inf and way > max(gap.length, gap.spacing)
+        for gap, now, way in zip(before.gaps, after.gaps, ways, strict=True)
     )
 
 
