@@ -121,6 +121,9 @@ class Body(Protocol):
     def at(self, coordinates: Array) -> Self:
         """The body with other coordinates."""
 
+    def shift(self, change: Array) -> Array:
+        """Mean displacement (dim,) in a change of coordinates."""
+
     def error(self, change: Array) -> float:
         """Largest displacement in a change of coordinates, relative to the size."""
 

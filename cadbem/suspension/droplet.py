@@ -78,6 +78,10 @@ class Droplet:
         """The same droplet with another shape."""
         return replace(self, shape=shape)
 
+    def shift(self, change: Array) -> Array:
+        """Mean displacement (dim,) in a change of coefficients."""
+        return change.reshape(self.dimension, -1).mean(axis=1)
+
     def error(self, change: Array) -> float:
         """Largest displacement in a change of coefficients, relative to the size."""
         steps = change.reshape(self.shape.coefficients.shape)

@@ -86,6 +86,10 @@ class RigidParticle:
         """Centre of volume (dim,)."""
         return self.pose.position
 
+    def shift(self, change: Array) -> Array:
+        """Displacement (dim,) of the centre in a change of coordinates."""
+        return change[: self.dimension]
+
     def error(self, change: Array) -> float:
         """Largest displacement in a change of coordinates, relative to the size."""
         shift, turn = np.split(change, [self.dimension])

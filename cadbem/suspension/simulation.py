@@ -26,6 +26,7 @@ from cadbem.suspension.volume import CorrectVolume
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
+ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
 COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
@@ -109,7 +110,8 @@ class Simulation:
     def _step(self, point: _Point, length: float, smallest: float) -> tuple[_Point, float]:
         """The next accepted point, and the length that the step after it may have."""
         state, largest = point.state, self.fastest(point.state)
-        length, evaluations = min(length, self.stepper.bound(largest)), state.evaluations
+        length = min(length, self.stepper.bound(largest), _longest(point))
+        evaluations = state.evaluations
         while length > smallest:
             rate = _Rate(self, state, state.guess)
             try:
@@ -242,15 +244,22 @@ def _moved(state: State, flat: Array) -> State:
 
 
 def _too_far(before: State, after: State) -> bool:
-    """Whether a step made surfaces overlap, left less than half of a narrow gap, or carried a body
-    near a wall on by more than its gap, so that it may have cut a corner."""
-    pairs = zip(before.bodies, after.bodies, strict=True)
-    ways = [np.linalg.norm(new.centre - old.centre) for old, new in pairs]
+    """Whether a step made surfaces overlap, or left less than half of a narrow gap."""
     return any(
-        now.length <= 0
-        or now.share < COMFORTABLE and now.length < gap.length / 2
-        or now.length < np.inf and way > max(gap.length, gap.spacing)
-        for gap, now, way in zip(before.gaps, after.gaps, ways, strict=True)
+        now.length <= 0 or now.share < COMFORTABLE and now.length < gap.length / 2
+        for gap, now in zip(before.gaps, after.gaps, strict=True)
+    )
+
+
+def _longest(point: _Point) -> float:
+    """The time in which a body goes ``ROOM`` times as far as its gap or spacing: longer steps
+    might cut corners."""
+    parts = zip(
+        point.state.bodies, point.state.gaps, np.split(point.slope, _ends(point.state)), strict=True
+    )
+    return min(
+        ROOM * max(gap.length, gap.spacing) / max(float(np.linalg.norm(b.shift(part))), 1e-300)
+        for b, gap, part in parts
     )
 
 
