@@ -7,7 +7,9 @@ GMRES; the others, such as droplets with λ = 1, then only need to be asked.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -92,13 +94,17 @@ class Meeting:
         ``receivers`` (dim, N) each."""
         walls = np.zeros(self._walls.shape)
         felt = [np.zeros(self.bodies[i].targets.shape) for i in receivers]
-        for j in sources:
+
+        def velocity(j: int) -> Array:
             others = tuple(i for i in receivers if i != j)
+            return self._view(j, others).velocity(densities[j])
+
+        with ThreadPoolExecutor(os.cpu_count() if len(sources) > 1 else 1) as pool:
+            velocities = list(pool.map(velocity, sources))
+        for j, made in zip(sources, velocities, strict=True):
             parts = [walls] + [f for i, f in zip(receivers, felt, strict=True) if i != j]
-            if any(part.size for part in parts):
-                velocity = self._view(j, others).velocity(densities[j])
-                for part, share in zip(parts, _split(velocity, parts), strict=True):
-                    part += share
+            for part, share in zip(parts, _split(made, parts), strict=True):
+                part += share
         return walls, felt
 
     @cached_property
