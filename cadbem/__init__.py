@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from cadbem.post import draw_droplets as draw_droplets
     from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
+    from cadbem.post import draw_run as draw_run
     from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_slices as draw_slices
     from cadbem.post import draw_streamlines as draw_streamlines
@@ -104,8 +105,8 @@ if TYPE_CHECKING:
     from cadbem.suspension.motion import full_velocity as full_velocity
     from cadbem.suspension.motion import normal_velocity as normal_velocity
     from cadbem.suspension.particle import RigidParticle as RigidParticle
-    from cadbem.suspension.particle import rigid_ellipsoid as rigid_ellipsoid
-    from cadbem.suspension.particle import rigid_sphere as rigid_sphere
+    from cadbem.suspension.rigid_shapes import rigid_ellipsoid as rigid_ellipsoid
+    from cadbem.suspension.rigid_shapes import rigid_sphere as rigid_sphere
     from cadbem.suspension.simulation import Simulation as Simulation
     from cadbem.suspension.state import State as State
     from cadbem.suspension.stepping import Adaptive as Adaptive
@@ -135,6 +136,7 @@ _NAMES = {
         "draw_collocation",
         "draw_droplets",
         "draw_movie",
+        "draw_run",
         "draw_outlines",
         "draw_scene",
         "draw_slices",
@@ -204,7 +206,8 @@ _NAMES = {
     "suspension.measures": ("inclination", "measure", "taylor_deformation"),
     "suspension.membrane": ("InextensibleMembrane",),
     "suspension.mesh": ("RelaxMesh",),
-    "suspension.particle": ("RigidParticle", "rigid_ellipsoid", "rigid_sphere"),
+    "suspension.particle": ("RigidParticle",),
+    "suspension.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
     "suspension.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
     "suspension.simulation": ("Simulation",),
     "suspension.state": ("State",),

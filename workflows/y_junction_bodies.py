@@ -132,17 +132,14 @@ def report(runs: dict[tuple, cb.History]) -> None:
 def draw(folder: Path, runs: dict[str, cb.History]) -> None:
     channel = cb.read_cad(GEOMETRY)
     tracks = {kind: run.track()[1] for kind, run in runs.items()}
-    cb.draw_trajectories(folder / "trajectories.png", channel, tracks)
+    cb.draw_trajectories(folder / "paths.png", channel, tracks)
     curves = [Curve(k, t[0], off_centre(t)) for k, t in tracks.items()]
     draw_plots(
         folder / "distance.png",
         [Plot("x of the centre", "distance from the centreline", curves)],
     )
     for kind, run in runs.items():
-        frames = [cb.Frame(state.time, state.shapes) for state in run.states]
-        cb.draw_movie(folder / f"{kind}.gif", channel, frames)
-        cb.filmstrip(folder / f"{kind}.png", channel, frames)
-        cb.write_frames(folder / f"{kind}_frames", frames)
+        cb.draw_run(folder, channel, run, kind)
     if "droplet" in runs:
         cb.draw_droplets(folder / "final_shape.png", [runs["droplet"].last.droplet.shape])
 

@@ -7,6 +7,7 @@ from cadbem.post.droplets import draw_droplets, draw_outlines, write_droplets
 from cadbem.post.export import write_mesh, write_vtu
 from cadbem.post.fields import edge_lines, tessellated, wall_stresses
 from cadbem.post.movie import draw_movie, draw_scene, filmstrip
+from cadbem.post.run import draw_run
 from cadbem.post.series import write_frames
 from cadbem.post.trajectories import draw_trajectories
 from cadbem.post.view_around import draw_around
@@ -23,6 +24,7 @@ __all__ = [
     "draw_collocation",
     "draw_droplets",
     "draw_movie",
+    "draw_run",
     "draw_outlines",
     "draw_scene",
     "draw_slices",
