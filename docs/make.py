@@ -1,9 +1,8 @@
 """Makes the numbers and pictures of the documentation: docs/results.md, docs/pictures/*.png.
 
-    python docs/make.py                      everything (some twenty minutes)
-    python docs/make.py pictures             the pictures only
-    python docs/make.py results              the tables only
-    python docs/make.py droplet_shear ...    section and pictures of these workflows only
+    python docs/make.py                      everything (about an hour)
+    python docs/make.py channels             the two channels at the top only
+    python docs/make.py droplet_shear ...    sections and pictures of these workflows only
 """
 
 import platform
@@ -25,15 +24,22 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "workflows"))
 
 import annulus_heat  # noqa: E402
+import constriction_droplet  # noqa: E402
+import droplet_between_plates  # noqa: E402
+import droplet_between_plates_2d  # noqa: E402
 import droplet_elongation  # noqa: E402
 import droplet_extension  # noqa: E402
 import droplet_high_deformation_2d  # noqa: E402
 import droplet_shear  # noqa: E402
 import droplet_shear_2d  # noqa: E402
+import droplet_train  # noqa: E402
 import ellipse_relaxation  # noqa: E402
 import hollow_sphere_heat  # noqa: E402
 import moving_sphere  # noqa: E402
+import serpentine_mixture  # noqa: E402
 import square_channel  # noqa: E402
+import two_droplets_2d  # noqa: E402
+import y_junction_bodies  # noqa: E402
 import y_junction_flow  # noqa: E402
 
 Row = tuple[str, ...]
@@ -47,8 +53,18 @@ PRINTED = {
     "Droplet in shear flow": droplet_shear,
     "Droplet drawn out by shear flow": droplet_elongation,
     "Viscous droplet in extension": droplet_extension,
+    "Plane droplet between plates": droplet_between_plates_2d,
+    "Two plane droplets between plates": two_droplets_2d,
+    "Droplet between plates": droplet_between_plates,
+    "Bodies in the Y-junction": y_junction_bodies,
+    "Train of droplets": droplet_train,
+    "Droplet in a constriction": constriction_droplet,
+    "Mixture in the serpentine": serpentine_mixture,
 }
-OPTIONS = {"droplet_shear": {"reference": 392}}  # for the tables
+OPTIONS = {
+    "droplet_shear": {"reference": 392},
+    "y_junction_bodies": {"parts": "droplet particle table"},
+}  # for the tables
 DRAWN = {"square_channel": square_channel, "y_junction": y_junction_flow}
 
 
@@ -134,45 +150,50 @@ pressure drop converges with order {order:.1f} in the number of spans (from the 
 grids): the flow is singular at the three edges where branches meet.
 
 {junction}"""
-    (HERE / "results.md").write_text(text)
-    for title in PRINTED:
-        update_section(title)
+    file = HERE / "results.md"
+    others = re.findall(r"^## .*?(?=\n## |\Z)", file.read_text(), re.MULTILINE | re.DOTALL)
+    kept = [part.rstrip() + "\n" for part in others if part[3:].split("\n")[0] in PRINTED]
+    file.write_text("\n".join([text, *kept]))
 
 
-def update_section(title: str) -> None:
-    """Put what a workflow prints in the place of its section, or at the end."""
+def make_section(title: str, workflow: ModuleType) -> None:
+    """Run a workflow once, for its section and its pictures."""
+    with tempfile.TemporaryDirectory() as made, redirect_stdout(StringIO()) as output:
+        workflow.main(output=made, **OPTIONS.get(workflow.__name__, {}))
+        copy_pictures(workflow.__name__, Path(made))
+    lines = [line for line in output.getvalue().splitlines(True) if made not in line]
+    update_section(title, "".join(lines))
+
+
+def update_section(title: str, printed: str) -> None:
+    """Put what a workflow printed in the place of its section, or at the end."""
     file = HERE / "results.md"
     text = file.read_text()
-    section = f"## {title}\n\n```\n{printed(PRINTED[title])}```\n"
+    section = f"## {title}\n\n```\n{printed}```\n"
     old = re.search(rf"^## {re.escape(title)}\n.*?(?=\n## |\Z)", text, re.MULTILINE | re.DOTALL)
     file.write_text(text.replace(old[0], section) if old else f"{text}\n{section}")
 
 
-def printed(workflow: ModuleType) -> str:
-    """What a workflow prints but for where its pictures are."""
-    with redirect_stdout(StringIO()) as output:
-        workflow.main(output="", **OPTIONS.get(workflow.__name__, {}))
-    return output.getvalue()
-
-
-def make_pictures(workflows: dict[str, ModuleType]) -> None:
+def copy_pictures(name: str, made: Path) -> None:
     folder = HERE / "pictures"
     folder.mkdir(exist_ok=True)
-    for name, workflow in workflows.items():
-        with tempfile.TemporaryDirectory() as made:
-            workflow.main(output=made)
-            for picture in Path(made).glob("*.png"):
-                target = picture.name if name in picture.name else f"{name}_{picture.name}"
-                shutil.copy(picture, folder / target)
+    for picture in made.glob("*.png"):
+        target = picture.name if name in picture.name else f"{name}_{picture.name}"
+        shutil.copy(picture, folder / target)
+
+
+def main() -> None:
+    wanted = sys.argv[1:] or ["channels", *(w.__name__ for w in PRINTED.values())]
+    if "channels" in wanted:
+        make_results()
+        for name, workflow in DRAWN.items():
+            with tempfile.TemporaryDirectory() as made:
+                workflow.main(output=made)
+                copy_pictures(name, Path(made))
+    for title, workflow in PRINTED.items():
+        if workflow.__name__ in wanted:
+            make_section(title, workflow)
 
 
 if __name__ == "__main__":
-    wanted = sys.argv[1:] or ["results", "pictures"]
-    chosen = {title: w for title, w in PRINTED.items() if w.__name__ in wanted}
-    if "results" in wanted:
-        make_results()
-    if "pictures" in wanted:
-        make_pictures(DRAWN | {w.__name__: w for w in PRINTED.values()})
-    for title in chosen:
-        update_section(title)
-    make_pictures({w.__name__: w for w in chosen.values()})
+    main()
