@@ -84,7 +84,7 @@ def test_plates_far_away_from_a_viscous_droplet():
 
 def test_drift_to_the_middle(tmp_path):
     """A droplet that deforms moves away from the nearer plate, all the faster the nearer it is."""
-    options = ["--points", "16", "--end", "1.5", "--parts", "drift"]
+    options = ["--points", "24", "--end", "0.75", "--parts", "drift"]
     runs = cb.run(one.main, ["-o", str(tmp_path), *options])
     speeds = []
     for start in (0.25, 0.5, 0.75):
@@ -113,7 +113,7 @@ def test_paths_of_two_droplets_are_symmetric():
 def test_two_droplets(tmp_path):
     """In unbounded shear flow u = (y, 0) a turn about the point between two equal droplets leaves
     everything as it is but for a steady flow: y1 + y2 = 1 stays, x1 + x2 grows like τ."""
-    options = ["--points", "16", "--end", "0.6", "--parts", "pass"]
+    options = ["--points", "16", "--end", "0.5", "--parts", "pass"]
     runs = cb.run(two.main, ["-o", str(tmp_path), *options])
     free = runs["pass", "unbounded"]
     total = free.track(1)[1] + free.track(2)[1]
