@@ -24,6 +24,7 @@ from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline, unit_parameters, unit_point
 
 NEWTON_STEPS = 20
+ARRIVED = 1e-12  # angle
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +94,8 @@ def nearest_points(spline: ClosedSpline, points: Array) -> Array:
         length = np.linalg.norm(step, axis=0)
         step *= np.minimum(damping, 0.5 / np.maximum(length, 1e-300))
         at = unit_parameters(unit_point(*at) + np.einsum("an,acn->cn", step, frame))
+        if length.max() < ARRIVED:
+            break
     return at
 
 
