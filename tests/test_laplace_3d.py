@@ -7,7 +7,8 @@ from test_operators import INSIDE, OUTSIDE, near_wall
 
 from cadbem.kernels.laplace_3d import LAPLACE_3D
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import assemble_layers, collocation_targets, potentials
+from cadbem.operators.layers import assemble_layers, collocation_targets
+from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature
 from cadbem.space import discontinuous_space
 
@@ -24,17 +25,15 @@ def test_constant_density():
         (INSIDE, 4 * np.pi), (OUTSIDE, 0.0),
         (near_wall(SPACE.boundary, 1e-5), 4 * np.pi), (near_wall(SPACE.boundary, -1e-5), 0.0),
     ):  # fmt: skip
-        value = potentials(LAPLACE_3D, SPACE, Targets.free(points), FINE, 0 * ONE, ONE)
+        value = Potentials(LAPLACE_3D, SPACE, Targets.free(points), FINE).apply(0 * ONE, ONE)
         assert abs(value - exact).max() < 1e-9
 
 
 def test_single_layer_is_continuous():
     """Its values 1e-7 to either side of the wall differ by 4π 2e-7 at most, for density 1."""
     sides = [
-        potentials(
-            LAPLACE_3D, SPACE, Targets.free(near_wall(SPACE.boundary, d)), FINE, ONE, 0 * ONE
-        )
-        for d in (1e-7, -1e-7)
+        Potentials(LAPLACE_3D, SPACE, Targets.free(points), FINE).apply(ONE, 0 * ONE)
+        for points in (near_wall(SPACE.boundary, d) for d in (1e-7, -1e-7))
     ]
     assert abs(sides[0] - sides[1]).max() < 4 * np.pi * 2.1e-7
 
@@ -53,6 +52,6 @@ def test_greens_identity_with_a_source_outside(degree):
         size = np.linalg.norm(r, axis=0)
         slope = -(r * space.collocation.normal).sum(axis=0) / size**3
         single, double = space.interpolate(-slope[None]), space.interpolate(1 / size[None])
-        value = potentials(LAPLACE_3D, space, Targets.free(points), FINE, single, double)[0]
+        value = Potentials(LAPLACE_3D, space, Targets.free(points), FINE).apply(single, double)[0]
         errors.append(np.sqrt(((value / (4 * np.pi) - exact) ** 2).mean()))
     assert -np.polyfit(np.log(sizes), np.log(errors), 1)[0] > degree + 0.8
