@@ -208,7 +208,7 @@ class SeenDroplet:
 
     def velocity(self, densities: Densities) -> Array:
         """(S[q] + D[u]) / 2h (dim, M)."""
-        if densities is NOTHING:
+        if densities is NOTHING or not self.field.points.size:
             return np.zeros(self.field.points.shape)
         return self.field.apply(*densities) / (2 * self.field.layers.free_term)
 

@@ -237,8 +237,8 @@ class SeenParticle:
 
     def velocity(self, densities: Densities) -> Array:
         """S[q] / 2h (dim, M)."""
-        single, double = densities
-        if single is None:
+        single, _ = densities
+        if single is None or not self.potentials.targets.count:
             return np.zeros(self.potentials.targets.position.shape)
         inside = 2 * self.potentials.kernel.free_term
         return self.turn @ self.potentials.apply(single, np.zeros_like(single)) / inside

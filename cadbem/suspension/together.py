@@ -99,8 +99,11 @@ class Meeting:
             others = tuple(i for i in receivers if i != j)
             return self._view(j, others).velocity(densities[j])
 
-        with ThreadPoolExecutor(os.cpu_count() if len(sources) > 1 else 1) as pool:
-            velocities = list(pool.map(velocity, sources))
+        if len(sources) == 1:
+            velocities = [velocity(sources[0])]
+        else:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                velocities = list(pool.map(velocity, sources))
         for j, made in zip(sources, velocities, strict=True):
             parts = [walls] + [f for i, f in zip(receivers, felt, strict=True) if i != j]
             for part, share in zip(parts, _split(made, parts), strict=True):
