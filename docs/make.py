@@ -64,6 +64,9 @@ PRINTED = {
 OPTIONS = {
     "droplet_shear": {"reference": 392},
     "y_junction_bodies": {"parts": "droplet particle table"},
+    "droplet_between_plates": {"parts": "time confinement"},
+    "droplet_between_plates_2d": {"parts": "widths resolution thesis drift"},
+    "two_droplets_2d": {"parts": "pass swap convergence"},
 }  # for the tables
 DRAWN = {"square_channel": square_channel, "y_junction": y_junction_flow}
 
