@@ -5,9 +5,9 @@ it and squeezes the train through the orifice (geometries/flow_focusing.py); the
 'outlet' one after another, and the run ends with the last.
 
 Units: mm, s, Pa s, Pa, hence mm³/s = µL/s for flow rates and mN/m = Pa mm for surface tension.  By
-default it is a viscous silicone oil, 1 Pa s, at 1 µL/s and twice 0.5 µL/s, tension 20 mN/m.  Then
-Ca = μ U / γ is 0.2 with the mean velocity U in the throat, 0.5 × 1 mm.  There, gaps to the walls
-are as narrow as the droplets' points are apart, and walls have smaller elements.
+default it is a viscous silicone oil, 1 Pa s, at 1 µL/s and twice 0.5 µL/s, tension 10 mN/m.  Then
+Ca = μ U / γ is 0.4 with the mean velocity U in the throat, 0.5 × 1 mm.  There, gaps to the walls
+are as narrow as the droplets' points are apart; --throat-size makes the walls' elements smaller.
 
 Prints what becomes of each droplet, and draws D(t), paths, a film strip and a movie into a folder.
 """
@@ -34,14 +34,14 @@ def main(
     flow_rate: float = 1.0,
     side_flow_rate: float = 0.5,
     viscosity: float = 1.0,
-    tension: float = 20.0,
+    tension: float = 10.0,
     viscosity_ratio: float = 1.0,
     element_size: float = 0.5,
-    throat_size: float = 0.2,
+    throat_size: float = 0.5,
     points: int = 98,
     tolerance: float = 1e-2,
     end: float = 10.0,
-    every: float = 0.04,
+    every: float = 0.05,
 ) -> cb.History:
     channel = finer_in_throat(element_size, throat_size)
     flow = branches(channel, viscosity, flow_rate, side_flow_rate)
