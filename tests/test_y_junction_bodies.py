@@ -40,8 +40,8 @@ def test_mass_and_symmetry(runs, kind):
 def test_bodies_lag(runs, kind):
     """In the branch bodies go along it, within 6 degrees, slower than the undisturbed duct flow at
     their centre (u = 2.0963 × 3 on the axis of a square duct, less off it), not slower than 2/3 of
-    it; the particle turns as the shear does there, clockwise as seen from above, not faster than
-    half of the shear rate."""
+    it; the particle turns at half of the shear rate there (Faxén's law, which has no correction
+    for size), but for what walls a radius away change, here a quarter at most."""
     times, centres = runs[kind].track()
     step = (centres[:, -1] - centres[:, 0]) / times[-1]
     along = np.array([1.0, 1.0, 0.0]) / np.sqrt(2)
@@ -52,7 +52,8 @@ def test_bodies_lag(runs, kind):
     assert 2 / 3 * fluid < speed < fluid
     if kind == "particle":
         shear = 3 * (duct(offset + 1e-4) - duct(offset - 1e-4)) / 2e-4
-        assert 0.25 * shear > runs[kind].states[0].responses[0].angular_velocity[2] > 0.5 * shear
+        spin = runs[kind].states[0].responses[0].angular_velocity[2]
+        assert spin == pytest.approx(shear / 2, rel=0.25)
 
 
 def duct(y: float) -> float:
