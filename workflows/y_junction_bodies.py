@@ -143,7 +143,9 @@ def draw(folder: Path, runs: dict[str, cb.History]) -> None:
     channel = cb.read_cad(GEOMETRY)
     tracks = {kind: run.track()[1] for kind, run in runs.items()}
     cb.draw_trajectories(folder / "paths.png", channel, tracks)
-    curves = [Curve(k, t[0], off_centre(t)) for k, t in tracks.items()]
+    curves = [
+        Curve(t[0], off_centre(t), k, colour=i) for i, (k, t) in enumerate(tracks.items())
+    ]
     draw_plots(
         folder / "distance.png",
         [Plot("x of the centre", "distance from the centreline", curves)],
