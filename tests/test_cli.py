@@ -146,7 +146,9 @@ def test_exit_code_of_a_script_is_kept(tmp_path):
 
 def test_interruption(tmp_path):
     script = tmp_path / "script.py"
-    script.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)")
+    # a process that was started in the background ignores the signal unless told otherwise
+    handler = "signal.signal(signal.SIGINT, signal.default_int_handler)"
+    script.write_text(f"import os, signal\n{handler}\nos.kill(os.getpid(), signal.SIGINT)")
     run = cadbem_process("run", script)
     assert (run.returncode, run.stderr) == (130, "cadbem: interrupted\n")
 
