@@ -65,7 +65,7 @@ def _normal(name: str, opening: list[Patch]) -> Array:
 
 def _rim(opening: list[Patch], near: float) -> list[tuple[Patch, Nurbs]]:
     """The opening's edges that no two of its patches share, each with its patch."""
-    edges = [(p, edge) for p in opening for edge in _edges(p.surface)]
+    edges = [(p, edge) for p in opening for edge in p.surface.edges()]
     rim = []
     for patch, edge in edges:
         shared = any(_touches(edge, e, near) for p, e in edges if p is not patch)
@@ -77,28 +77,12 @@ def _rim(opening: list[Patch], near: float) -> list[tuple[Patch, Nurbs]]:
 def _neighbour(name: str, edge: Nurbs, others: list[Patch], near: float) -> Patch:
     """The patch at the other side of an edge of an opening."""
     for patch in others:
-        if any(_touches(edge, e, near) for e in _edges(patch.surface)):
+        if any(_touches(edge, e, near) for e in patch.surface.edges()):
             return patch
     place = np.array2string(_probe(edge), precision=4, separator=", ")
     raise SelectionError(
         f"'{name}' has no wall at {place}; name an opening that has walls all around"
     )
-
-
-def _edges(surface: Nurbs) -> list[Nurbs]:
-    """The four edges of a surface, clockwise seen from where its normal points; of a curve its
-    ends, as curves of degree 0."""
-    x, w = surface.points, surface.weights
-    if len(surface.degrees) == 1:
-        knots = (np.array([0.0, 1.0]),)
-        return [Nurbs((0,), knots, x[i : i + 1], w[i : i + 1]) for i in (0, len(x) - 1)]
-    (p, q), (u, v) = surface.degrees, surface.knots
-    return [
-        Nurbs((p,), (u,), x[:, 0], w[:, 0]).reversed(),
-        Nurbs((q,), (v,), x[-1], w[-1]).reversed(),
-        Nurbs((p,), (u,), x[:, -1], w[:, -1]),
-        Nurbs((q,), (v,), x[0], w[0]),
-    ]
 
 
 def _probe(edge: Nurbs) -> Array:

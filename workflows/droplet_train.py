@@ -100,18 +100,12 @@ def branches(
     return flow
 
 
-def deformation(run: cb.History, number: int) -> np.ndarray:
-    """D (N,) of a droplet while it was there."""
-    shapes = [s.shapes[number] for s in run.states if number in s.numbers]
-    return np.array([cb.taylor_deformation(shape) for shape in shapes])
-
-
 def report(run: cb.History) -> None:
     """What became of each droplet: its largest D and where, its narrowest gap and where."""
     rows = []
     for number in run.states[0].numbers:
         times, centres = run.track(number)
-        found = deformation(run, number)
+        found = run.of(cb.taylor_deformation, number)
         most = int(found.argmax())
         gaps = [
             (gap.length, gap.other, s.time)
@@ -138,7 +132,7 @@ def draw(folder: Path, channel: cb.Boundary, run: cb.History) -> None:
     tracks = {n: run.track(n) for n in run.states[0].numbers}
     over_time, over_way = [], []
     for n, (times, centres) in tracks.items():
-        found, label = deformation(run, n), f"droplet {n}"
+        found, label = run.of(cb.taylor_deformation, n), f"droplet {n}"
         over_time.append(Curve(times, found, label, colour=n))
         over_way.append(Curve(centres[0], found, label, colour=n))
     draw_plots(

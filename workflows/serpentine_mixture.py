@@ -107,12 +107,6 @@ def angle_of_path(run: cb.History) -> np.ndarray:
     return np.unwrap(np.degrees(np.arctan2(along[1], along[0])), period=360.0)
 
 
-def deformation(run: cb.History, number: int) -> np.ndarray:
-    """D (N,) of a droplet while it was there."""
-    shapes = [s.shapes[number] for s in run.states if number in s.numbers]
-    return np.array([cb.taylor_deformation(shape) for shape in shapes])
-
-
 def report(run: cb.History) -> None:
     """What became of each body."""
     rows = []
@@ -122,7 +116,7 @@ def report(run: cb.History) -> None:
         gap = min(g.length for s in run.states for g in s.gaps if g.body == number)
         rows.append(
             (f"{number} {kind(number)}", f"{way:.2f}", f"{way / times[-1]:.2f}",
-             f"{deformation(run, number).max():.3f}" if number in DROPLETS else "-",
+             f"{run.of(cb.taylor_deformation, number).max():.3f}" if number in DROPLETS else "-",
              f"{gap:.3f}" if np.isfinite(gap) else "-", f"{abs(centres[2]).max():.1e}",
              run.last.left.get(number, f"at ({centres[0, -1]:.2f}, {centres[1, -1]:.2f})"))
         )  # fmt: skip
@@ -145,7 +139,10 @@ def kind(number: int) -> str:
 def draw(folder: Path, channel: cb.Boundary, run: cb.History) -> None:
     """The paths, D and the ellipsoid's turn over time, a film strip and a movie."""
     tracks = {n: run.track(n) for n in run.states[0].numbers}
-    shapes = [Curve(tracks[n][0], deformation(run, n), f"droplet {n}", colour=n) for n in DROPLETS]
+    shapes = [
+        Curve(tracks[n][0], run.of(cb.taylor_deformation, n), f"droplet {n}", colour=n)
+        for n in DROPLETS
+    ]
     times = tracks[ELLIPSOID][0]
     turns = [
         Curve(times, angle_of_axis(run), "its axis", colour=ELLIPSOID),

@@ -64,14 +64,9 @@ class PotentialSink:
                 self.result[i, rows] += sum(values[e - first, :, j] for j, e in enumerate(row))
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        p, q = values.shape[2], values.shape[3]
-        u = (first_u[:, None] + np.arange(p))[:, :, None]
-        v = (first_v[:, None] + np.arange(q))[:, None, :]
         for layout, density in zip(self.layouts, self.densities, strict=True):
-            local = density[:, u, v]
-            for i, row in enumerate(layout):
-                for j, entry in enumerate(row):
-                    np.add.at(self.result[i], rows, (values[:, entry] * local[j]).sum(axis=(1, 2)))
+            if density.any():
+                add_pairs(rows, first_u, first_v, values, np.array(layout), density, self.result)
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,12 +100,11 @@ class Record:
     def _together(self) -> list[Any]:
         return [np.concatenate(parts) for parts in zip(*self.kept, strict=True)]
 
-    def replay(self, sink: PotentialSink) -> None:
-        """Give everything to a sink with densities; afterwards nothing can be added."""
-        for layout, density in zip(sink.layouts, sink.densities, strict=True):
-            if self.kept and density.any():
-                rows, first_u, first_v, values = self._together
-                add_pairs(rows, first_u, first_v, values, np.array(layout), density, sink.result)
+    def replay(self, sink: Sink) -> None:
+        """Give everything to another sink; afterwards nothing can be added."""
+        if self.kept:
+            rows, first_u, first_v, values = self._together
+            sink.pairs(rows, first_u, first_v, values)
 
 
 @njit(cache=True, nogil=True, fastmath=True)

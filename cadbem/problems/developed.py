@@ -49,7 +49,7 @@ def developed_profile(
 
 def rim(surfaces: Sequence[Nurbs]) -> list[Nurbs]:
     """Outer edges of surfaces in the plane, each with the surface to its right."""
-    edges = [edge for surface in surfaces for edge in _edges(surface)]
+    edges = [edge for surface in surfaces for edge in surface.edges()]
     marks = np.array([_mark(e) for e in edges])
     size = float(np.ptp(marks.reshape(-1, 2), axis=0).max())
     gaps = np.abs(marks[:, None] - marks[None]).max(axis=(2, 3))
@@ -63,18 +63,6 @@ def _mark(edge: Nurbs) -> Array:
     low, high = edge.domain[0]
     x = edge.evaluate([low, 0.5 * (low + high), high]).T
     return np.array([0.5 * (x[0] + x[2]), x[1]])
-
-
-def _edges(surface: Nurbs) -> list[Nurbs]:
-    """The four edges, clockwise seen from where the normal points."""
-    (p, q), (u, v) = surface.degrees, surface.knots
-    x, w = surface.points, surface.weights
-    return [
-        Nurbs((p,), (u,), x[:, 0], w[:, 0]).reversed(),
-        Nurbs((q,), (v,), x[-1], w[-1]).reversed(),
-        Nurbs((p,), (u,), x[:, -1], w[:, -1]),
-        Nurbs((q,), (v,), x[0], w[0]),
-    ]
 
 
 def _flattened(surface: Nurbs, frame: Array, centre: Array) -> Nurbs:

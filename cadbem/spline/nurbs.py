@@ -171,6 +171,21 @@ class Nurbs:
             self.degrees[::-1], self.knots[::-1], self.points.swapaxes(0, 1), self.weights.T
         )
 
+    def edges(self) -> list[Nurbs]:
+        """The four edges of a surface, clockwise seen from where its normal points; of a curve its
+        ends, as curves of degree 0."""
+        x, w = self.points, self.weights
+        if len(self.degrees) == 1:
+            knots = (np.array([0.0, 1.0]),)
+            return [Nurbs((0,), knots, x[i : i + 1], w[i : i + 1]) for i in (0, len(x) - 1)]
+        (p, q), (u, v) = self.degrees, self.knots
+        return [
+            Nurbs((p,), (u,), x[:, 0], w[:, 0]).reversed(),
+            Nurbs((q,), (v,), x[-1], w[-1]).reversed(),
+            Nurbs((p,), (u,), x[:, -1], w[:, -1]),
+            Nurbs((q,), (v,), x[0], w[0]),
+        ]
+
     def reversed(self, direction: int = 0) -> Nurbs:
         """One parameter run backwards over the same domain."""
         k = self.knots[direction]

@@ -37,9 +37,13 @@ class History:
         """Times (N,)."""
         return np.array([state.time for state in self.states])
 
-    def of(self, quantity: Callable[[ClosedSpline], float]) -> Array:
-        """A quantity of the shape at each time (N,)."""
-        return np.array([quantity(state.droplet.shape) for state in self.states])
+    def of(self, quantity: Callable[[ClosedSpline], float], number: int | None = None) -> Array:
+        """A quantity of the shape at each time (N,), of the first droplet or of that with a
+        ``number``, as long as it was there."""
+        if number is None:
+            return np.array([quantity(state.droplet.shape) for state in self.states])
+        here = [s.shapes[number] for s in self.states if number in s.numbers]
+        return np.array([quantity(shape) for shape in here])  # type: ignore[arg-type]
 
     def track(self, number: int = 1) -> tuple[Array, Array]:
         """Times (N,) and centres (dim, N) of the body of a number, as long as it was there."""

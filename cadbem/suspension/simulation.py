@@ -123,9 +123,9 @@ class Simulation:
                 accepted, following = self.stepper.next_length(length, error, step.power)
                 if accepted:
                     old = replace(state, guess=rate.guess)
-                    moved = self._repaired(_moved(old, step.state), self.mesh)
-                    if not _too_far(state, moved):
-                        return self._accept(old, moved, step, length, evaluations), following
+                    after = self._after(old, step, length, evaluations)
+                    if not _too_far(state, after):
+                        return self._accept(old, after, step.slope), following
                     following = length / 2
             except (ShapeError, ConditionError):
                 following = length / 4
@@ -136,27 +136,34 @@ class Simulation:
         )
         return replace(point, state=replace(state, stopped=reason)), length
 
-    def _accept(
-        self, old: State, moved: State, step: Step, length: float, evaluations: int
-    ) -> _Point:
-        """The point that a step leads to; the old one, stopped, if it is not sound."""
-        drifts = [b.drift(start) for b, start in self._with_starts(_moved(old, step.state))]
-        state = replace(
-            moved, time=old.time + length, steps=old.steps + 1, evaluations=evaluations,
-            length=length, drift=max(drifts, key=abs),
+    def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
+        """The state that a step leads to, repaired."""
+        moved = _moved(old, step.state)
+        drifts = [b.drift(start) for b, start in self._with_starts(moved)]
+        return replace(
+            self._repaired(moved, self.mesh), time=old.time + length, steps=old.steps + 1,
+            evaluations=evaluations, length=length, drift=max(drifts, key=abs),
         )  # fmt: skip
-        reasons = [b.unresolved() for b in state.bodies]
-        reasons += [self.contact.reason(gap) for gap in state.gaps]
+
+    def _accept(self, old: State, after: State, slope: Array | None) -> _Point:
+        """The point after a step; the old one, stopped, if it is not sound.
+
+        The state is made anew only where it changes: it has its gaps worked out.
+        """
+        reasons = [b.unresolved() for b in after.bodies]
+        reasons += [self.contact.reason(gap) for gap in after.gaps]
         if any(reasons):
-            stopped = f"{next(filter(None, reasons))}, at time {state.time:.6g}"
+            stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
             return _Point(replace(old, stopped=stopped), np.empty(0))
-        state = replace(state, left=old.left | _leaving(state))
-        if all(n in state.left for n in state.numbers):
-            state = replace(state, stopped="; ".join(state.left.values()))
-        if step.slope is None or self.mesh is not None:
-            state = replace(state, evaluations=evaluations + 1)
-            return _Point(state, self.slope(state))
-        return _Point(state, step.slope)
+        leaving = _leaving(after)
+        if leaving:
+            left = old.left | leaving
+            last = all(n in left for n in after.numbers)
+            after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
+        if slope is None or self.mesh is not None:
+            after = replace(after, evaluations=after.evaluations + 1)
+            return _Point(after, self.slope(after))
+        return _Point(after, slope)
 
     def _without_left(self, point: _Point) -> _Point:
         """The point without bodies that have left."""
