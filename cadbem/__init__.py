@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from cadbem.cad import read_cad as read_cad
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
+    from cadbem.errors import CadWarning as CadWarning
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
     from cadbem.errors import SelectionError as SelectionError
@@ -121,6 +122,7 @@ _NAMES = {
     "cad": ("inspect_cad", "mesh_volume", "read_cad"),
     "errors": (
         "CadError",
+        "CadWarning",
         "CadbemError",
         "ConditionError",
         "DisplayError",

@@ -9,6 +9,10 @@ class CadError(CadbemError):
     """A CAD file cannot be read or does not describe a usable boundary."""
 
 
+class CadWarning(UserWarning):
+    """A CAD file can be read, but something in it is unusual, was assumed or was mended."""
+
+
 class SelectionError(CadbemError):
     """Faces were named or chosen ambiguously, twice, or not at all."""
 

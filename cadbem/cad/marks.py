@@ -29,6 +29,8 @@ class FaceMark:
     name: str
     corners: Array  # (n, 3), in the file's unit
     middles: Array  # (m, 3), a point for each edge: the middle, or the mean of control points
+    layer: str = ""
+    colour: str = ""  # "#rrggbb"
 
     def scaled(self, factor: float) -> FaceMark:
         return replace(self, corners=self.corners * factor, middles=self.middles * factor)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -33,6 +33,8 @@ class CadModel:
     faces: tuple[BrepFace, ...]
     names: dict[int, str]
     kernel: KernelModel
+    marks: dict[int, FaceMark] = field(default_factory=dict)  # name, layer, colour, by face
+    warnings: tuple[str, ...] = ()  # what `read_cad` warns about
 
     def patches(self, face: BrepFace) -> list[Patch]:
         """The face's patches in the file's unit; raises CadError if there is no way to lay them."""
