@@ -4,6 +4,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from cadbem.cad.export import write_patches as write_patches
     from cadbem.cad.read import read_cad as read_cad
     from cadbem.cad.report import CadReport as CadReport
     from cadbem.cad.report import FaceReport as FaceReport
@@ -18,6 +19,7 @@ _MODULES = {
     "mesh_volume": "volume_mesh",
     "read_cad": "read",
     "write_cad": "write",
+    "write_patches": "export",
 }
 
 
