@@ -133,12 +133,14 @@ def _info(options: argparse.Namespace) -> None:
 
 def _face_table(report: CadReport) -> list[str]:
     size = abs(report.bounds).max()
-    rows = [["face", "name", "kind", "degrees", "patches", "area", "centre", "problem"]]
+    extra = [what for what in ("layer", "colour") if any(getattr(f, what) for f in report.faces)]
+    rows = [["face", "name", *extra, "kind", "degrees", "patches", "area", "centre", "problem"]]
     for face in report.faces:
         degrees = "x".join(str(degree) for degree in face.degrees) or "-"
         numbers = [degrees, str(face.patches), _number(face.area, 6), _vector(face.centre, size)]
         problem = "yes, see below" if face.problem else ""
-        rows.append([str(face.number), face.name or "-", face.kind, *numbers, problem])
+        called = [face.name or "-", *(getattr(face, what) or "-" for what in extra)]
+        rows.append([str(face.number), *called, face.kind, *numbers, problem])
     widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
     return [
         "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()

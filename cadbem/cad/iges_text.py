@@ -1,15 +1,17 @@
-"""Unit and face names (entity labels) from the text of an IGES file (version 5.3)."""
+"""Unit, and names (labels), levels and colours of faces, from an IGES file's text (version 5.3)."""
 
 from __future__ import annotations
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cadbem.cad.brep_geometry import SplineRecord
 from cadbem.cad.curves import spline_nurbs
+from cadbem.cad.iges_syntax import check_parameters, number, sections, words
 from cadbem.cad.marks import FaceMark, Unit
+from cadbem.cad.step_styles import colour_code
 from cadbem.spline.basis import Array
 
 _UNITS = {
@@ -26,6 +28,8 @@ _UNITS = {
 }
 _UNIT_NAMES = {"IN": 1, "INCH": 1, "MM": 2, "FT": 4, "MI": 5, "M": 6, "KM": 7, "MIL": 8,
                "UM": 9, "CM": 10, "UIN": 11}  # fmt: skip
+_COLOURS = ("", "#000000", "#ff0000", "#00ff00", "#0000ff", "#ffff00", "#ff00ff", "#00ffff",
+            "#ffffff")  # fmt: skip
 _LINE, _ARC, _CONIC, _COMPOSITE, _SPLINE, _MATRIX = 110, 100, 104, 102, 126, 124
 _CURVE_ON_SURFACE, _TRIMMED, _BOUNDARY, _BOUNDED = 142, 144, 141, 143
 _Edge = tuple[Array, Array, Array]  # both ends and a point between
@@ -35,6 +39,8 @@ _Edge = tuple[Array, Array, Array]  # both ends and a point between
 class _Entity:
     kind: int
     label: str
+    level: int  # 0: none; negative: number of the entity that lists several
+    colour: int  # 0: none; up to 8: a standard one; negative: number of the entity that defines it
     matrix: int
     parameters: tuple[str, ...]
 
@@ -42,55 +48,88 @@ class _Entity:
         return abs(int(float(self.parameters[index] or 0)))
 
     def numbers(self, start: int, count: int) -> Array:
-        words = self.parameters[start : start + count]
-        return np.array([float(word.upper().replace("D", "E") or 0) for word in words])
+        return np.array([number(word) for word in self.parameters[start : start + count]])
 
 
 class IgesText:
     """The file's entities, by the number of their first directory line."""
 
     def __init__(self, text: str) -> None:
-        lines = text.splitlines()
-        sections = {key: [line for line in lines if line[72:73] == key] for key in "GDP"}
-        header = "".join(line[:72].ljust(72) for line in sections["G"])
+        lines = sections(text)
+        header = "".join(line[:72].ljust(72) for line in lines["G"])
         self._delimiters = _delimiters(header)
-        self._header = _words(header, *self._delimiters)
+        self._header = words(header, *self._delimiters) + [""] * 15
         rows: dict[int, list[str]] = {}
-        for line in sections["P"]:
+        for line in lines["P"]:
             rows.setdefault(int(line[64:72]), []).append(line[:64].ljust(64))
-        directory = sections["D"]
+        directory = lines["D"]
         self._entities = {
-            int(first[73:80]): self._entity(first, second, rows.get(int(first[73:80]), []))
-            for first, second in zip(directory[::2], directory[1::2], strict=False)
+            2 * index + 1: self._entity(2 * index + 1, *pair, rows.pop(2 * index + 1, []))
+            for index, pair in enumerate(zip(directory[::2], directory[1::2], strict=True))
         }
+        if rows:
+            raise ValueError(f"parameters of an entity {next(iter(rows))} that is not there")
 
-    def _entity(self, first: str, second: str, rows: list[str]) -> _Entity:
+    def _entity(self, index: int, first: str, second: str, rows: list[str]) -> _Entity:
         label, subscript = second[56:64].strip(), second[64:72].strip()
         name = label + (subscript if label and subscript != "0" else "")
-        matrix = int(first[48:56].strip() or 0)
-        words = _words("".join(rows), *self._delimiters)
-        return _Entity(int(first[:8]), name, matrix, tuple(words))
+        level, matrix, colour, count = (
+            int(field.strip() or 0)
+            for field in (first[32:40], first[48:56], second[16:24], second[24:32])
+        )
+        kind = int(first[:8])
+        place = f"entity {index} (type {kind})"
+        if len(rows) != count or int(second[:8]) != kind:
+            raise ValueError(f"{place} has {len(rows)} lines of parameters instead of {count}")
+        parameters = words("".join(rows), *self._delimiters)
+        if kind:
+            check_parameters(kind, place, parameters)
+        return _Entity(kind, name, level, colour, matrix, tuple(parameters))
 
     def unit(self) -> Unit:
         """The unit of length (global parameters 14 and 15); inches where nothing is said."""
-        words = self._header + [""] * 15
-        flag = int(float(words[13] or 1))
-        if flag == 3:
-            flag = _UNIT_NAMES.get(words[14].strip().upper(), 2)
-        return _UNITS.get(flag, _UNITS[2])
+        flag, name = self._header[13], _UNIT_NAMES.get(self._unit_name())
+        if flag == "" and name is None:
+            return replace(_UNITS[1], assumed=True)
+        value = int(number(flag or "1"))
+        return _UNITS[(name or 2) if value == 3 else value]
+
+    def _unit_name(self) -> str:
+        return self._header[14].removeprefix("'").strip().upper()
+
+    def remarks(self) -> list[str]:
+        """What is wrong with the text, although it may be read."""
+        name, unit = _UNIT_NAMES.get(self._unit_name()), self.unit()
+        if name is None or unit.assumed or _UNITS[name] == unit:
+            return []
+        return [f"the unit is {unit.name} by its number but {_UNITS[name].name} by its name; "
+                f"{unit.name} is taken"]  # fmt: skip
 
     def faces(self) -> list[FaceMark]:
         """Every trimmed or bounded surface with its corners and a point on each edge."""
         marks = []
         for entity in self._entities.values():
             if entity.kind in (_TRIMMED, _BOUNDED):
-                surface = entity.reference(1 if entity.kind == _TRIMMED else 2)
-                name = entity.label or self._entities[surface].label
+                surface = self._entities[entity.reference(1 if entity.kind == _TRIMMED else 2)]
                 edges = [edge for loop in self._loops(entity) for edge in self._edges(loop)]
-                corners = np.array([point for edge in edges for point in edge[:2]])
-                middles = np.array([edge[2] for edge in edges])
-                marks.append(FaceMark(name, corners.reshape(-1, 3), middles.reshape(-1, 3)))
+                corners = np.array([point for edge in edges for point in edge[:2]]).reshape(-1, 3)
+                middles = np.array([edge[2] for edge in edges]).reshape(-1, 3)
+                name = entity.label or surface.label
+                layer = self._layer(entity.level or surface.level)
+                colour = self._colour(entity.colour or surface.colour)
+                marks.append(FaceMark(name, corners, middles, layer, colour))
         return marks
+
+    def _layer(self, level: int) -> str:
+        """A level's number; the first one of several."""
+        if level < 0:
+            level = self._entities[-level].reference(2)
+        return str(level) if level else ""
+
+    def _colour(self, colour: int) -> str:
+        if colour >= 0:
+            return _COLOURS[colour]
+        return colour_code(*self._entities[-colour].numbers(1, 3) / 100)
 
     def _loops(self, face: _Entity) -> list[int]:
         """Model-space curves round the face."""
@@ -167,23 +206,3 @@ def _delimiters(header: str) -> tuple[str, str]:
     match = re.match(r"(?:1H(.))?(.)(?:1H(.))?", header)
     assert match is not None
     return match[1] or ",", match[3] or ";"
-
-
-def _words(text: str, separator: str, end: str) -> list[str]:
-    """Parameters up to the end of the record; strings (`5Habc,d`) may hold separators."""
-    words, position = [], 0
-    while position < len(text):
-        string = re.compile(r" *(\d+)H").match(text, position)
-        if string:
-            stop = string.end() + int(string[1])
-            word, position = text[string.end() : stop], stop
-        else:
-            stop = min((i for c in (separator, end) if (i := text.find(c, position)) >= 0),
-                       default=len(text))  # fmt: skip
-            word, position = text[position:stop].strip(), stop
-        words.append(word)
-        rest = text[position:].lstrip() if string else text[position:]
-        if not rest or rest[0] == end:
-            break
-        position = len(text) - len(rest) + 1
-    return words

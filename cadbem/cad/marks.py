@@ -1,4 +1,4 @@
-"""What a CAD file's text says beside its geometry: unit of length, names of faces."""
+"""What a CAD file says beside its geometry: unit of length; names, layers, colours of faces."""
 
 from __future__ import annotations
 
@@ -9,9 +9,13 @@ from scipy.spatial import cKDTree
 
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.face_geometry import points_on
+from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
 MATCH = 1e-6  # distance, per size of the model, within which corners are the same
+LIKE = 0.25  # distance of edges' middles, per size of the face, up to which faces are the same
+CLEAR = 1e-3  # as LIKE, by which the next best match must be worse
+CHOICES = {"names": "name", "layers": "layer", "colours": "colour"}
 
 
 @dataclass(frozen=True)
@@ -20,6 +24,7 @@ class Unit:
 
     name: str
     millimetres: float
+    assumed: bool = False  # the file does not say
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,28 +37,85 @@ class FaceMark:
     layer: str = ""
     colour: str = ""  # "#rrggbb"
 
+    @property
+    def texts(self) -> tuple[str, str, str]:
+        return self.name, self.layer, self.colour
+
     def scaled(self, factor: float) -> FaceMark:
         return replace(self, corners=self.corners * factor, middles=self.middles * factor)
 
+    def moved(self, matrix: Array) -> FaceMark:
+        """Turned and shifted by a matrix (4, 4)."""
+        turning, shift = matrix[:3, :3].T, matrix[:3, 3]
+        corners, middles = self.corners @ turning + shift, self.middles @ turning + shift
+        return replace(self, corners=corners, middles=middles)
 
-def match_names(marks: list[FaceMark], faces: list[BrepFace], unit: Unit) -> dict[int, str]:
-    """Names by face number. A mark belongs to the face with the same corners; among several,
-    to the one whose edges run through the same places."""
-    own = {face.number: _mark_of(face) for face in faces}
+
+def check_choice(names: str) -> None:
+    """Raises CadError if faces cannot be named by that."""
+    if names not in CHOICES:
+        raise CadError(f"names={names!r}: faces are named by 'names', 'layers' or 'colours'")
+
+
+def chosen(marks: dict[int, FaceMark], names: str) -> dict[int, str]:
+    """What each face is called by "names", "layers" or "colours"; nameless ones are left out."""
+    called = {number: getattr(mark, CHOICES[names]) for number, mark in marks.items()}
+    return {number: name for number, name in called.items() if name}
+
+
+def match_marks(marks: list[FaceMark], faces: list[BrepFace], unit: Unit) -> dict[int, FaceMark]:
+    """Marks by face number. A mark belongs to a face with the same corners, in the model's axes or
+    in those of the face's part; among several, to the one whose edges run through the same
+    places. A face without such a mark, or with two that differ in what they say, has none."""
     marks = [_distinct(mark.scaled(unit.millimetres)) for mark in marks]
     marks = [mark for mark in marks if len(mark.corners)]
-    if not any(mark.name for mark in marks):
+    if not any(any(mark.texts) for mark in marks):
         return {}
-    corners = np.concatenate([mark.corners for mark in marks])
-    tolerance = MATCH * float(np.ptp(corners, axis=0).max())
-    centres = np.array([mark.corners.mean(axis=0) for mark in marks])
-    names = {}
-    for number, mark in own.items():
-        near = np.linalg.norm(centres - mark.corners.mean(axis=0), axis=1) < 2 * tolerance
-        same = [marks[i] for i in np.flatnonzero(near) if _agree(marks[i], mark, tolerance)]
-        if same:
-            names[number] = min(same, key=lambda other: _distance(other, mark)).name
-    return {number: name for number, name in names.items() if name}
+    search = _Search.among(marks)
+    claims = {face.number: search.nearest(face) for face in faces}
+    best: dict[int, float] = {}
+    for index, distance in claims.values():
+        best[index] = min(distance, best.get(index, np.inf))
+    return {
+        number: marks[index]
+        for number, (index, distance) in claims.items()
+        if index >= 0 and distance < best[index] + CLEAR
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class _Search:
+    marks: list[FaceMark]
+    centres: Array  # (n, 3), means of the corners
+    tolerance: float
+
+    @classmethod
+    def among(cls, marks: list[FaceMark]) -> _Search:
+        points = np.concatenate([p for mark in marks for p in (mark.corners, mark.middles)])
+        centres = np.array([mark.corners.mean(axis=0) for mark in marks])
+        return cls(marks, centres, MATCH * float(np.ptp(points, axis=0).max()))
+
+    def nearest(self, face: BrepFace) -> tuple[int, float]:
+        """Index of the mark that is this face's, or -1, and how far its edges are off."""
+        own = _mark_of(face)
+        found = self._nearest(own)
+        if found[0] < 0 and not np.allclose(face.matrix, np.eye(4)):
+            return self._nearest(own.moved(np.linalg.inv(face.matrix)))
+        return found
+
+    def _nearest(self, own: FaceMark) -> tuple[int, float]:
+        if not len(own.corners):
+            return -1, np.inf
+        near = np.linalg.norm(self.centres - own.corners.mean(axis=0), axis=1) < 2 * self.tolerance
+        same = [i for i in np.flatnonzero(near) if _agree(self.marks[i], own, self.tolerance)]
+        ranked = sorted((_distance(self.marks[i], own), int(i)) for i in same)
+        if not ranked or ranked[0][0] > LIKE:
+            return -1, np.inf
+        distance, first = ranked[0]
+        rivals = [i for d, i in ranked[1:] if d < distance + CLEAR]
+        if any(self.marks[i].texts != self.marks[first].texts for i in rivals):
+            return -1, np.inf
+        return first, distance
 
 
 def _mark_of(face: BrepFace) -> FaceMark:
@@ -89,7 +151,9 @@ def _agree(first: FaceMark, second: FaceMark, tolerance: float) -> bool:
 
 
 def _distance(first: FaceMark, second: FaceMark) -> float:
+    """How far apart the edges' middles are, per size of the face."""
     if not len(first.middles) or not len(second.middles):
         return 0.0
     gaps = np.linalg.norm(first.middles[:, None] - second.middles, axis=2)
-    return float(gaps.min(axis=0).max() + gaps.min(axis=1).max())
+    size = np.ptp(np.concatenate([second.corners, second.middles]), axis=0).max()
+    return float(max(gaps.min(axis=0).max(), gaps.min(axis=1).max()) / max(size, 1e-300))

@@ -15,7 +15,8 @@ from cadbem.cad.face_geometry import edge_points, points_on, shape_of
 from cadbem.cad.iges_text import IgesText
 from cadbem.cad.kernel import KernelModel, import_model
 from cadbem.cad.layouts import face_patches
-from cadbem.cad.marks import FaceMark, Unit, match_names
+from cadbem.cad.marks import FaceMark, Unit, check_choice, chosen, match_marks
+from cadbem.cad.sizes import assumed_unit, unusual_size
 from cadbem.cad.source import CadSource, read_source
 from cadbem.cad.step_text import StepText
 from cadbem.errors import CadError
@@ -128,13 +129,14 @@ class CadModel:
         return self.place(points[len(points) // 2] / self.unit.millimetres)
 
 
-def open_model(path: str | Path, time_limit: float) -> CadModel:
-    """Read a STEP or IGES file and find its faces.
+def open_model(path: str | Path, time_limit: float, names: str = "names") -> CadModel:
+    """Read a STEP or IGES file and find its faces; `names` says what they are called by.
 
     Raises CadError if the file cannot be read, has no faces, or is absurdly small or large.
     """
+    check_choice(names)
     source = read_source(path)
-    unit, marks = _text_marks(source)
+    unit, marks, remarks = _text_marks(source)
     kernel = import_model(source, time_limit)
     if kernel.faces == 0:
         curves = f" but {kernel.curves} curves (a wireframe)" if kernel.curves else ""
@@ -144,7 +146,10 @@ def open_model(path: str | Path, time_limit: float) -> CadModel:
     faces = _boundary_faces(read_brep(kernel.brep))
     _check_size(source.name, faces)
     _check_unit(source.name, unit, marks, faces)
-    return CadModel(source.name, unit, faces, match_names(marks, list(faces), unit), kernel)
+    matched = match_marks(marks, list(faces), unit)
+    warnings = [*remarks, *unusual_size(source.name, unit, faces)]
+    called = chosen(matched, names)
+    return CadModel(source.name, unit, faces, called, kernel, matched, tuple(warnings))
 
 
 def file_unit(source: CadSource) -> Unit:
@@ -152,14 +157,17 @@ def file_unit(source: CadSource) -> Unit:
     return _text_marks(source)[0]
 
 
-def _text_marks(source: CadSource) -> tuple[Unit, list[FaceMark]]:
+def _text_marks(source: CadSource) -> tuple[Unit, list[FaceMark], list[str]]:
+    """Unit, faces and lines to warn with."""
     try:
         text = StepText(source.text) if source.kind == "step" else IgesText(source.text)
-        return text.unit(), text.faces()
-    except (KeyError, IndexError, ValueError) as error:
+        unit, marks = text.unit(), text.faces()
+        remarks = [f"{source.name}: {remark}" for remark in text.remarks()]
+        return unit, marks, [*remarks, *assumed_unit(source.name, unit)]
+    except (LookupError, ArithmeticError, ValueError, RecursionError) as error:
+        what = error if isinstance(error, ValueError) else f"{type(error).__name__}: {error}"
         raise CadError(
-            f"{source.name}: the text is damaged ({type(error).__name__}: {error}); "
-            "export it again from the CAD program"
+            f"{source.name}: the text is damaged ({what}); export it again from the CAD program"
         ) from None
 
 

@@ -4,30 +4,35 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
+from warnings import warn
 
 import numpy as np
 from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.model import CadModel, open_model
-from cadbem.errors import CadError
+from cadbem.errors import CadError, CadWarning
 
 OPEN = 1e-6  # |∮ n dS| / area above which patches do not enclose a volume
 HOLLOW = 1e-9  # volume / area^(3/2) below which nothing is enclosed
 REMEDY = "split it into four-sided faces in your CAD program; trimmed faces are not read yet"
 
 
-def read_cad(path: str | Path, *, time_limit: float = 60.0) -> Boundary:
+def read_cad(path: str | Path, *, names: str = "names", time_limit: float = 60.0) -> Boundary:
     """Exact NURBS patches of the solid in a STEP or IGES file; the fluid is inside.
 
-    Coordinates are in the file's own unit, normals point into the fluid, faces keep the names
-    that the file gives them (STEP: name of the face; IGES: entity label). `time_limit` in
-    seconds bounds the CAD kernel's work.
+    Coordinates are in the file's own unit, normals point into the fluid. Patches are called what
+    the file calls their faces (`names="names"`: STEP's name of the face, IGES's entity label), by
+    the face's layer or level (`names="layers"`) or by its colour, "#rrggbb" (`names="colours"`).
+    `time_limit` in seconds bounds the CAD kernel's work. Warns with CadWarning of what is unusual
+    or had to be assumed.
 
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
     exactly one volume, and for faces that no way of laying patches covers exactly.
     """
-    model = open_model(path, time_limit)
+    model = open_model(path, time_limit, names)
+    for warning in model.warnings:
+        warn(warning, CadWarning, stacklevel=2)
     for obstacle in model.obstacles():
         raise CadError(obstacle)
     boundary = Boundary(tuple(_all_patches(model)), model.file, model.unit.name)

@@ -33,6 +33,8 @@ class FaceReport:
     area: float
     centre: tuple[float, ...]
     problem: str = ""
+    layer: str = ""
+    colour: str = ""  # "#rrggbb"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +45,7 @@ class CadReport:
     are those of the patches, nan if some face has none. `bounds` (2, 3) is the box of edges and
     patches, by sampling.
     `problems` are lines that say what is wrong and what to do; there are none if `read_cad` works.
-    `remarks` are what the CAD kernel complained about while it read the file.
+    `remarks` are what `read_cad` warns about, and what the CAD kernel complained about.
     """
 
     file: str
@@ -57,12 +59,12 @@ class CadReport:
     remarks: tuple[str, ...]
 
 
-def inspect_cad(path: str | Path, *, time_limit: float = 60.0) -> CadReport:
-    """Describe a STEP or IGES file, also one that `read_cad` refuses.
+def inspect_cad(path: str | Path, *, names: str = "names", time_limit: float = 60.0) -> CadReport:
+    """Describe a STEP or IGES file, also one that `read_cad` refuses; `names` as there.
 
     Raises CadError only if the file cannot be read at all or has no faces.
     """
-    model = open_model(path, time_limit)
+    model = open_model(path, time_limit, names)
     patches: dict[int, list[Patch]] = {}
     reports = []
     for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
@@ -81,25 +83,28 @@ def inspect_cad(path: str | Path, *, time_limit: float = 60.0) -> CadReport:
             problems.append(str(error))
     return CadReport(
         model.file, model.unit.name, tuple(reports), area, volume, _bounds(model, everything), gap,
-        tuple(problems), model.kernel.log,
+        tuple(problems), (*model.warnings, *model.kernel.log),
     )  # fmt: skip
 
 
 def _examined(model: CadModel, face: BrepFace) -> tuple[FaceReport, list[Patch]]:
     name = model.names.get(face.number, "")
+    mark = model.marks.get(face.number)
+    says = (mark.layer, mark.colour) if mark else ("", "")
     kind = face.surface.kind
     try:
         patches = model.patches(face)
     except CadError:
         problem = f"{model.file}: {model.label(face)} cannot become patches: {REMEDY}"
         centre = tuple(model.centre(face).tolist())
-        return FaceReport(face.number, name, kind, (), 0, nan, centre, problem), []
+        return FaceReport(face.number, name, kind, (), 0, nan, centre, problem, *says), []
     group = Boundary(tuple(patches))
     area = _converged(group.area)
     points, weights = group.quadrature()
     centre = tuple((points.position @ weights / weights.sum()).tolist())
     degrees = tuple(max(d) for d in zip(*(p.surface.degrees for p in patches), strict=True))
-    return FaceReport(face.number, name, kind, degrees, len(patches), area, centre), patches
+    counts = face.number, name, kind, degrees, len(patches), area, centre
+    return FaceReport(*counts, "", *says), patches
 
 
 def _bounds(model: CadModel, patches: tuple[Patch, ...]) -> Array:
