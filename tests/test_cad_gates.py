@@ -152,7 +152,7 @@ CASES = [
     (wireframe, "no faces but 1 curve"),
     (no_entities, "no faces"),
     (open_shell, r"4 edges belong to one face only, the first at \[.*, 3\] mm"),
-    (two_solids, r"2 solids .* with 6 faces about \[0.5, 1, 1.5\] mm; .* \[6, 1, 1\] mm"),
+    (two_solids, r"2 solids .*with 6 faces about \[0.5, 1, 1.5\] mm.*\[6, 1, 1\] mm.*fluid=1"),
     (tiny, "3e-05 mm large"),
     (huge, "1e\\+09 mm large"),
     (perforated, r"face \d \(plane, 6 edges, 2 holes\) at \[2, 0, [01]\] mm and 1 more"),

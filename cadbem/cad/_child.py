@@ -1,8 +1,10 @@
 """The CAD kernel at work, in a process of its own: it may print, crash or hang.
 
-Run as a script: `_child.py record INPUT FOLDER` or `_child.py mesh INPUT FOLDER SIZE` (mm).
-Writes `model.json` with what was found, and `model.brep` (faces, exactly) or `mesh.npz`
-(tetrahedra) into the folder. Imports nothing from the project, so that it starts quickly.
+Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
+ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)
+or "void" (the box of the solids' corners without the solids). Writes `model.json` with what was
+found, and `model.brep` (faces, exactly) or `mesh.npz` (tetrahedra) into the folder. Imports
+nothing from the project, so that it starts quickly.
 """
 
 from __future__ import annotations
@@ -11,20 +13,28 @@ import json
 import sys
 from pathlib import Path
 
-SEWING = (1e-9, 1e-8, 1e-7, 1e-6)  # tolerances tried, per size of the model
+SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
+SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
+REMEDIES = (
+    {"fixSmallFaces": True},
+    {"fixSmallEdges": True, "sewFaces": True},
+    {"fixSmallEdges": True, "fixSmallFaces": True, "sewFaces": True},
+)
 
 
-def main(task: str, source: str, folder: str, size: str = "") -> None:
+def main(task: str, source: str, folder: str, option: str) -> None:
     import gmsh
 
     gmsh.initialize(interruptible=False, readConfigFiles=False)
     gmsh.option.setNumber("General.Verbosity", 2)
     try:
         found = _import(gmsh, source)
-        if task == "record" and found["faces"]:
-            gmsh.write(str(Path(folder, "model.brep")))
-        elif task == "mesh" and len(found["solids"]) == 1:
-            _mesh(gmsh, float(size), Path(folder, "mesh.npz"))
+        if task == "record":
+            found |= _prepared(gmsh, option)
+            if found["faces"]:
+                gmsh.write(str(Path(folder, "model.brep")))
+        elif len(found["solids"]) == 1:
+            _mesh(gmsh, float(option), Path(folder, "mesh.npz"))
     except Exception as error:  # whatever the kernel throws, the parent words it
         found = {"error": str(error)}
     Path(folder, "model.json").write_text(json.dumps(found))
@@ -33,15 +43,18 @@ def main(task: str, source: str, folder: str, size: str = "") -> None:
 
 def _import(gmsh, source: str) -> dict:
     _load(gmsh, source)
-    loose = len(gmsh.model.getEntities(2))
-    sewn = False
-    if loose and not gmsh.model.getEntities(3):
-        sewn = _sew(gmsh, source)
+    sewing = 0.0
+    if gmsh.model.getEntities(2) and not gmsh.model.getEntities(3):
+        sewing = _sew(gmsh, source)
+    healed = _repair(gmsh, source, sewing) if gmsh.model.getEntities(3) else []
+    return _found(gmsh) | {"sewn": sewing > 0, "healed": healed}
+
+
+def _found(gmsh) -> dict:
     return {
         "faces": len(gmsh.model.getEntities(2)),
         "curves": len(gmsh.model.getEntities(1)),
-        "sewn": sewn,
-        "solids": [_solid(gmsh, tag) for _, tag in gmsh.model.getEntities(3)],
+        "solids": [gmsh.model.getEntityName(*solid) for solid in gmsh.model.getEntities(3)],
     }
 
 
@@ -51,34 +64,121 @@ def _load(gmsh, source: str) -> None:
     gmsh.model.occ.synchronize()
 
 
-def _sew(gmsh, source: str) -> bool:
-    """Join loose faces into a solid; if that fails, leave them as they were."""
-    box = gmsh.model.getBoundingBox(-1, -1)
-    size = max(high - low for low, high in zip(box[:3], box[3:], strict=True))
-    for tolerance in SEWING:
-        _load(gmsh, source)
-        gmsh.model.occ.healShapes(
-            [],  # all at once: given one by one, faces would not be joined
-            tolerance=tolerance * size,
-            fixDegenerated=False,
-            fixSmallEdges=False,
-            fixSmallFaces=False,
-            sewFaces=True,
-            makeSolids=True,
-        )
-        gmsh.model.occ.synchronize()
-        if gmsh.model.getEntities(3):
-            return True
+def _heal(gmsh, source: str, tolerance: float, remedies: dict) -> None:
+    """The file read again, and healed as a whole: given one by one, faces would not be joined."""
     _load(gmsh, source)
-    return False
+    off = dict.fromkeys(("fixDegenerated", "fixSmallEdges", "fixSmallFaces", "sewFaces"), False)
+    if any(remedies.values()):
+        gmsh.model.occ.healShapes([], tolerance=tolerance, makeSolids=True, **(off | remedies))
+        gmsh.model.occ.synchronize()
 
 
-def _solid(gmsh, tag: int) -> dict:
+def _size(gmsh) -> float:
+    box = gmsh.model.getBoundingBox(-1, -1)
+    return max(high - low for low, high in zip(box[:3], box[3:], strict=True))
+
+
+# Sewing and repair: only what is needed, and only if it makes nothing worse
+
+
+def _sew(gmsh, source: str) -> float:
+    """Join loose faces into solids, with the smallest tolerance (returned) that leaves none loose;
+    if none does, with the smallest that makes a solid; else leave the faces as they were."""
+    size = _size(gmsh)
+    makers = []
+    for tolerance in SEWING:
+        _heal(gmsh, source, tolerance * size, {"sewFaces": True})
+        loose = _loose_faces(gmsh)
+        if gmsh.model.getEntities(3):
+            makers.append((loose, tolerance * size))
+            if not loose:
+                break
+    best = min(makers, default=(0, 0.0))[1]
+    _heal(gmsh, source, best, {"sewFaces": best > 0})
+    return best
+
+
+def _loose_faces(gmsh) -> int:
+    faces = gmsh.model.getEntities(2)
+    return sum(not len(gmsh.model.getAdjacencies(2, tag)[0]) for _, tag in faces)
+
+
+def _repair(gmsh, source: str, sewing: float) -> list[str]:
+    """Remove edges and faces that are too small to be meant; [] if there are none, or if no
+    remedy leaves a model that is as good. `sewing` is the tolerance it has been sewn with, or 0."""
+    tolerance = SMALL * _size(gmsh)
+    before = _health(gmsh, tolerance)
+    if not before["short"] + before["narrow"]:
+        return []
+    sewn = {"sewFaces": sewing > 0}
+    for remedies in REMEDIES:
+        _heal(gmsh, source, max(tolerance, sewing), sewn | remedies)
+        after = _health(gmsh, tolerance)
+        if _is_better(before, after, tolerance):
+            counts = (f"{before[what]} {what} became {after[what]}" for what in ("faces", "edges"))
+            return [
+                f"{before['short']} edges shorter and {before['narrow']} faces narrower than "
+                f"{tolerance:.1g} mm were removed ({', '.join(counts)})"
+            ]
+    _heal(gmsh, source, sewing, sewn)
+    return []
+
+
+def _health(gmsh, tolerance: float) -> dict:
+    """Counts, volume and area of the model, and of what is smaller than the tolerance."""
+    occ, model = gmsh.model.occ, gmsh.model
+    lengths = {tag: occ.getMass(1, tag) for _, tag in model.getEntities(1)}
+    areas = {tag: occ.getMass(2, tag) for _, tag in model.getEntities(2)}
+    uses = {tag: model.getAdjacencies(1, tag)[0] for tag in lengths}
+    borders = {tag: model.getAdjacencies(2, tag)[1] for tag in areas}
+    short = [t for t, x in lengths.items() if x < tolerance and model.getType(1, t) != "Unknown"]
+    perimeters = {tag: sum(lengths[edge] for edge in edges) for tag, edges in borders.items()}
     return {
-        "name": gmsh.model.getEntityName(3, tag).split("/")[-1],
-        "box": list(gmsh.model.getBoundingBox(3, tag)),
-        "faces": len(gmsh.model.getBoundary([(3, tag)], oriented=False)),
+        "solids": len(model.getEntities(3)),
+        "faces": len(areas),
+        "edges": len(lengths),
+        "alone": sum(len(faces) == 1 for faces in uses.values()),
+        "short": len(short),
+        "narrow": sum(2 * area < tolerance * perimeters[t] for t, area in areas.items()),
+        "area": sum(areas.values()),
+        "volume": sum(occ.getMass(3, tag) for _, tag in model.getEntities(3)),
     }
+
+
+def _is_better(before: dict, after: dict, tolerance: float) -> bool:
+    """Whether nothing small is left and nothing else is lost: a layer as thick as the tolerance."""
+    fewer = all(after[what] <= before[what] for what in ("faces", "edges", "alone"))
+    same = after["solids"] == before["solids"]
+    kept = abs(after["volume"] - before["volume"]) <= tolerance * before["area"]
+    return fewer and same and kept and not after["short"] + after["narrow"]
+
+
+# The fluid's room
+
+
+def _prepared(gmsh, room: str) -> dict:
+    """What is left of the file's shapes, or what they leave over: see the top of this file."""
+    solids = gmsh.model.getEntities(3)
+    if room == "all" and len(solids) > 1:
+        gmsh.model.occ.removeAllDuplicates()
+        gmsh.model.occ.synchronize()
+        return _found(gmsh)
+    if room == "void" and solids:
+        box = _corner_box(gmsh)
+        sides = [high - low for low, high in zip(box[:3], box[3:], strict=True)]
+        if min(sides) > 0:
+            block = gmsh.model.occ.addBox(*box[:3], *sides)
+            gmsh.model.occ.cut([(3, block)], solids)
+            gmsh.model.occ.synchronize()
+        return _found(gmsh) | {"box": box}
+    return {}
+
+
+def _corner_box(gmsh) -> list[float]:
+    """The box of the corners: the kernel's own boxes are a little larger."""
+    corners = [gmsh.model.getValue(0, tag, []) for _, tag in gmsh.model.getEntities(0)]
+    axes = list(zip(*corners, strict=True))
+    return [float(pick(axis)) for pick in (min, max) for axis in axes]
 
 
 def _mesh(gmsh, size: float, target: Path) -> None:

@@ -22,7 +22,7 @@ from cadbem.cad.brep_geometry import (
 from cadbem.errors import CadError
 
 VERTEX, EDGE, WIRE, FACE, SHELL, SOLID = "Ve", "Ed", "Wi", "Fa", "Sh", "So"
-_SIGNS = {"+": 1, "-": -1}  # 'i' (internal) and 'e' (external) do not bound anything: skipped
+_SIGNS = {"+": 1, "-": -1, "i": 0, "e": 0}  # internal and external: bound nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,8 +46,9 @@ class BrepFace:
     solid: int  # 1-based number of its solid, 0 if it belongs to none
     surface: SurfaceRecord
     matrix: np.ndarray  # (4, 4) location of the surface
-    outward: int  # +1 if ∂u × ∂v of the located surface points out of the solid
+    outward: int  # +1 if ∂u × ∂v of the located surface points out of the solid; 0: bounds nothing
     loops: tuple[tuple[EdgeUse, ...], ...]
+    key: tuple = ()  # the same for the face that two solids share
 
 
 @dataclass(frozen=True)
@@ -176,8 +177,7 @@ def _read_uses(tokens: Tokens, count: int, last: bool = False) -> tuple[_Use, ..
     try:
         while (word := tokens.word()) not in ("*", "0"):
             location = tokens.integer()
-            if word[0] in _SIGNS:
-                uses.append(_Use(count - int(word[1:]), _SIGNS[word[0]], location))
+            uses.append(_Use(count - int(word[1:]), _SIGNS[word[0]], location))
     except CadError:
         if not last:
             raise
@@ -190,7 +190,7 @@ def _faces(
     shape = record.shapes[use.shape]
     matrix, sign = matrix @ record.locations[use.location], sign * use.sign
     if shape.kind == FACE:
-        yield shape, matrix, sign, solid
+        yield use.shape, matrix, sign, solid
         return
     if shape.kind == SOLID:
         counter[0] += 1
@@ -200,16 +200,22 @@ def _faces(
 
 
 def _face(
-    record: _Record, number: int, shape: _Shape, matrix: np.ndarray, sign: int, solid: int
+    record: _Record, number: int, index: int, matrix: np.ndarray, sign: int, solid: int
 ) -> BrepFace:
+    shape = record.shapes[index]
     surface_index, surface_location = shape.data
     located = matrix @ record.locations[surface_location]
     loops = tuple(
         _loop(record, wire, matrix, surface_index, located)
         for wire in shape.parts
-        if record.shapes[wire.shape].kind == WIRE
+        if wire.sign and record.shapes[wire.shape].kind == WIRE
     )
-    return BrepFace(number, solid, record.surfaces[surface_index - 1], located, sign, loops)
+    surface = record.surfaces[surface_index - 1]
+    return BrepFace(number, solid, surface, located, sign, loops, _key(index, matrix))
+
+
+def _key(shape: int, matrix: np.ndarray) -> tuple:
+    return (shape, *(np.round(matrix[:3].ravel(), 9) + 0.0))
 
 
 def _loop(
@@ -219,6 +225,7 @@ def _loop(
     return tuple(
         _edge_use(record, edge, wire_matrix, wire.sign, surface, located)
         for edge in record.shapes[wire.shape].parts
+        if edge.sign
     )
 
 
@@ -233,11 +240,10 @@ def _edge_use(
     if curve is not None and curve[0] > 0:
         curve_record, interval = record.curves[curve[0] - 1], curve[2:]
         curve_matrix = matrix @ record.locations[curve[1]]
-    key = (use.shape, *np.round(matrix[:3].ravel(), 9))
-    ends = _ends(record, use.shape, matrix)
     return EdgeUse(
-        key, curve_record, interval, curve_matrix, parameter_curves, sign * use.sign, ends
-    )
+        _key(use.shape, matrix), curve_record, interval, curve_matrix, parameter_curves,
+        sign * use.sign, _ends(record, use.shape, matrix),
+    )  # fmt: skip
 
 
 def _on_surface(
@@ -254,6 +260,8 @@ def _ends(record: _Record, edge: int, matrix: np.ndarray) -> np.ndarray:
     """First (forward) and last (reversed) vertex of the edge."""
     ends: dict[int, np.ndarray] = {}
     for use in record.shapes[edge].parts:
+        if use.sign == 0:
+            continue
         place = matrix @ record.locations[use.location]
         ends[use.sign] = place[:3, :3] @ record.shapes[use.shape].data[0] + place[:3, 3]
     if not ends:

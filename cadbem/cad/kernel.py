@@ -19,37 +19,39 @@ from cadbem.spline.basis import Array
 
 
 @dataclass(frozen=True)
-class Solid:
-    """A solid as the kernel sees it: its box (2, 3) in millimetres."""
-
-    name: str
-    box: tuple[float, ...]
-    faces: int
-
-
-@dataclass(frozen=True)
 class KernelModel:
-    """What the kernel made of a file; `brep` is its exact record, in millimetres."""
+    """What the kernel made of a file; `brep` is its exact record, in millimetres.
+
+    `solids` are the names of the solids, in the order of the record. `healed` says in words what
+    was repaired, beyond joining faces within the file's digits. `box` (min and max corner, mm) is
+    the one that solids were taken from, () unless that was asked for.
+    """
 
     brep: str
     faces: int
     curves: int
     sewn: bool
-    solids: tuple[Solid, ...]
+    solids: tuple[str, ...]
     log: tuple[str, ...]
+    healed: tuple[str, ...] = ()
+    box: tuple[float, ...] = ()
 
 
-def import_model(source: CadSource, time_limit: float) -> KernelModel:
+def import_model(source: CadSource, time_limit: float, room: str = "solid") -> KernelModel:
     """Read the file; loose faces (IGES) are sewn into a solid if they fit together.
 
+    `room`: "solid" leaves solids as they are, "all" makes those that touch share their faces,
+    "void" takes them out of the box of their corners.
     Raises CadError if the kernel fails, crashes or takes longer than `time_limit` seconds.
     """
     with TemporaryDirectory(prefix="cadbem-") as folder:
-        found, log = _run(source, Path(folder), time_limit, "record")
+        found, log = _run(source, Path(folder), time_limit, "record", room)
         record = Path(folder, "model.brep")
         brep = record.read_text() if record.exists() else ""
-    solids = tuple(Solid(s["name"], tuple(s["box"]), s["faces"]) for s in found["solids"])
-    return KernelModel(brep, found["faces"], found["curves"], found["sewn"], solids, log)
+    return KernelModel(
+        brep, found["faces"], found["curves"], found["sewn"], tuple(found["solids"]), log,
+        tuple(found["healed"]), tuple(found.get("box", ())),
+    )  # fmt: skip
 
 
 def mesh_model(source: CadSource, size: float, time_limit: float) -> tuple[Array, np.ndarray]:

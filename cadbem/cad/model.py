@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from cadbem.boundary import Patch
-from cadbem.cad.brep import BrepFace, EdgeUse, read_brep
-from cadbem.cad.face_geometry import edge_points, points_on, shape_of
+from cadbem.cad.brep import BrepFace
+from cadbem.cad.defects import APART, CROWDED, OPEN, TURNED, find_defects
+from cadbem.cad.face_geometry import edge_points, shape_of
+from cadbem.cad.fit import contradictions
+from cadbem.cad.fluid import choose_fluid, room_of
 from cadbem.cad.iges_text import IgesText
 from cadbem.cad.kernel import KernelModel, import_model
 from cadbem.cad.layouts import face_patches
@@ -23,6 +24,15 @@ from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
 SMALLEST, LARGEST = 1e-4, 1e8  # sizes in mm; the kernel takes points within 1e-7 mm for the same
+_COMPLAINTS = {  # number of edges and place of the first; what to do
+    OPEN: (
+        "the faces leave openings: {} edges belong to one face only, the first at {}",
+        "close the surface in the CAD program",
+    ),
+    APART: ("the faces touch without being joined, first at {1}", "export them as one solid"),
+    CROWDED: ("{} edges belong to more than two faces, the first at {}", "remove inner faces"),
+    TURNED: ("the faces are turned to different sides, first at {1}", "export them as a solid"),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,14 +46,22 @@ class CadModel:
     kernel: KernelModel
     marks: dict[int, FaceMark] = field(default_factory=dict)  # name, layer, colour, by face
     warnings: tuple[str, ...] = ()  # what `read_cad` warns about
+    question: str = ""  # what the file leaves open, see `fluid` of `read_cad`
+    refusals: tuple[str, ...] = ()  # what in the file contradicts itself
 
-    def patches(self, face: BrepFace) -> list[Patch]:
-        """The face's patches in the file's unit; raises CadError if there is no way to lay them."""
-        name = self.names.get(face.number, "")
-        return [
-            Patch(replace(s, points=s.points / self.unit.millimetres), name, face.number)
-            for s in face_patches(face)
+    def patches(self, face: BrepFace, tolerance: float) -> tuple[list[Patch], float]:
+        """The face's patches and their largest deviation from it, in the file's unit.
+
+        `tolerance` is the deviation allowed, per size of the face, where patches cannot be exact.
+        Raises CadError if there is no way to lay them.
+        """
+        name, scale = self.names.get(face.number, ""), self.unit.millimetres
+        covering = face_patches(face, tolerance)
+        patches = [
+            Patch(replace(surface, points=surface.points / scale), name, face.number)
+            for surface in covering.surfaces
         ]
+        return patches, covering.deviation / scale
 
     def centre(self, face: BrepFace) -> Array:
         """Middle of the box round the face's edges, in the file's unit."""
@@ -69,87 +87,61 @@ class CadModel:
 
     def obstacles(self) -> list[str]:
         """Why the faces do not enclose one body of fluid, each in one line; [] if they do."""
-        return [*self._solid_problems(), *self._edge_problems()]
+        if self.question:
+            return [self.question]
+        defects = find_defects(self.faces)
+        lines = list(self.refusals)
+        for reason, (words, remedy) in _COMPLAINTS.items():
+            found = [defect for defect in defects if defect.reason == reason]
+            if found and not (reason == APART and lines):
+                place = self.place(found[0].place() / self.unit.millimetres)
+                said = words.format(len(found), place)
+                lines.append(f"{self.file}: {said}; {remedy}")
+        return lines
 
-    def _solid_problems(self) -> list[str]:
-        solids = self.kernel.solids
-        if len(solids) < 2:
-            return []
-        boxes = [np.reshape(solid.box, (2, 3)).mean(axis=0) for solid in solids[:6]]
-        places = [self.place(box / self.unit.millimetres) for box in boxes]
-        listed = "; ".join(
-            f"{solid.name or 'solid'} with {solid.faces} faces about {place}"
-            for solid, place in zip(solids, places, strict=False)
-        )
-        more = "; ..." if len(solids) > 6 else ""
-        return [
-            f"{self.file}: {len(solids)} solids ({listed}{more}); "
-            "export only the one that is the fluid's space, or fuse them"
-        ]
-
-    def _edge_problems(self) -> list[str]:
-        uses = [use for face in self.faces for loop in face.loops for use in loop]
-        counts = Counter(use.key for use in uses if use.curve is not None)
-        alone = [[u for loop in f.loops for u in loop if counts[u.key] == 1] for f in self.faces]
-        free = _unpaired([use for group in alone for use in group])
-        loose = [use for group in alone for use in _unpaired(group)]
-        crowded = {use.key: use for use in uses if counts[use.key] > 2}
-        problems = []
-        if free:
-            problems.append(
-                f"{self.file}: the faces leave openings: {len(free)} edges belong to one face only,"
-                f" the first at {self._edge_place(free[0])}; close the surface in the CAD program"
-            )
-        elif loose:
-            problems.append(
-                f"{self.file}: the faces touch without being joined, first at "
-                f"{self._edge_place(loose[0])}; export them as one solid"
-            )
-        if crowded and len(self.kernel.solids) < 2:
-            problems.append(
-                f"{self.file}: {len(crowded)} edges belong to more than two faces, the first at "
-                f"{self._edge_place(next(iter(crowded.values())))}; remove inner faces"
-            )
-        if not (self.kernel.solids or loose) and self._has_turned_faces():
-            problems.append(
-                f"{self.file}: the faces are turned to different sides; export them as a solid"
-            )
-        return problems
-
-    def _has_turned_faces(self) -> bool:
-        """Neighbours that are turned alike run along their common edge in opposite directions."""
-        turns: Counter = Counter()
-        for face in self.faces:
-            for use in (use for loop in face.loops for use in loop if use.curve is not None):
-                turns[use.key] += face.outward * use.sign
-        return any(abs(total) > 1 for total in turns.values())
-
-    def _edge_place(self, use: EdgeUse) -> str:
-        points = points_on(use)
-        return self.place(points[len(points) // 2] / self.unit.millimetres)
+    def defective_faces(self) -> dict[int, str]:
+        """What is wrong with faces that leave the surface open or ambiguous, by number."""
+        reasons: dict[int, str] = {}
+        for defect in find_defects(self.faces):
+            place = self.place(defect.place() / self.unit.millimetres)
+            for number in defect.faces:
+                reasons.setdefault(number, f"the edge at {place} {defect.reason}")
+        return reasons
 
 
-def open_model(path: str | Path, time_limit: float, names: str = "names") -> CadModel:
-    """Read a STEP or IGES file and find its faces; `names` says what they are called by.
+def open_model(
+    path: str | Path, time_limit: float, names: str = "names", fluid: int | str = "solid"
+) -> CadModel:
+    """Read a STEP or IGES file and find its faces; `names` says what they are called by, `fluid`
+    what they enclose.
 
     Raises CadError if the file cannot be read, has no faces, or is absurdly small or large.
     """
     check_choice(names)
+    room = room_of(fluid)
     source = read_source(path)
     unit, marks, remarks = _text_marks(source)
-    kernel = import_model(source, time_limit)
+    kernel = import_model(source, time_limit, room)
     if kernel.faces == 0:
         curves = f" but {kernel.curves} curves (a wireframe)" if kernel.curves else ""
         raise CadError(
             f"{source.name}: no faces{curves}; export the fluid's space as a solid or as surfaces"
         )
-    faces = _boundary_faces(read_brep(kernel.brep))
+    found = choose_fluid(source, unit, kernel, fluid)
+    faces = found.faces
     _check_size(source.name, faces)
     _check_unit(source.name, unit, marks, faces)
+    doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_marks(marks, list(faces), unit)
-    warnings = [*remarks, *unusual_size(source.name, unit, faces)]
-    called = chosen(matched, names)
-    return CadModel(source.name, unit, faces, called, kernel, matched, tuple(warnings))
+    healed = [f"{source.name}: healed: {line}" for line in kernel.healed]
+    warnings = [
+        *remarks, *healed, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
+    ]  # fmt: skip
+    called = chosen(matched, names) | found.ports
+    return CadModel(
+        source.name, unit, faces, called, kernel, matched, tuple(warnings), found.question,
+        tuple(refusals),
+    )  # fmt: skip
 
 
 def file_unit(source: CadSource) -> Unit:
@@ -169,33 +161,6 @@ def _text_marks(source: CadSource) -> tuple[Unit, list[FaceMark], list[str]]:
         raise CadError(
             f"{source.name}: the text is damaged ({what}); export it again from the CAD program"
         ) from None
-
-
-def _boundary_faces(faces: list[BrepFace]) -> tuple[BrepFace, ...]:
-    """The faces of solids, or all faces where there is no solid."""
-    of_solids = tuple(face for face in faces if face.solid)
-    return of_solids or tuple(faces)
-
-
-def _unpaired(free: list[EdgeUse]) -> list[EdgeUse]:
-    """Edges that do not lie on another one; both sides of a seam do."""
-    points = [points_on(use) for use in free]
-    if not points:
-        return []
-    tolerance = 1e-6 * float(np.ptp(np.concatenate(points), axis=0).max())
-    middles = np.array([p.mean(axis=0) for p in points])
-    paired: set[int] = set()
-    for i, j in sorted(cKDTree(middles).query_pairs(tolerance)):
-        if paired.isdisjoint((i, j)) and _coincide(points[i], points[j], tolerance):
-            paired |= {i, j}
-    return [use for k, use in enumerate(free) if k not in paired]
-
-
-def _coincide(first: Array, second: Array, tolerance: float) -> bool:
-    if len(first) != len(second):
-        return False
-    gaps = [np.abs(first - other).max() for other in (second, second[::-1])]
-    return bool(min(gaps) < tolerance)
 
 
 def _check_unit(file: str, unit: Unit, marks: list[FaceMark], faces: tuple[BrepFace, ...]) -> None:

@@ -10,32 +10,55 @@ import numpy as np
 from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.layouts import TOLERANCE
 from cadbem.cad.model import CadModel, open_model
 from cadbem.errors import CadError, CadWarning
 
 OPEN = 1e-6  # |∮ n dS| / area above which patches do not enclose a volume
 HOLLOW = 1e-9  # volume / area^(3/2) below which nothing is enclosed
-REMEDY = "split it into four-sided faces in your CAD program; trimmed faces are not read yet"
+REMEDY = "split it into simpler faces in your CAD program"
 
 
-def read_cad(path: str | Path, *, names: str = "names", time_limit: float = 60.0) -> Boundary:
-    """Exact NURBS patches of the solid in a STEP or IGES file; the fluid is inside.
+def read_cad(
+    path: str | Path,
+    *,
+    fluid: int | str = "solid",
+    names: str = "names",
+    tolerance: float = TOLERANCE,
+    time_limit: float = 60.0,
+) -> Boundary:
+    """NURBS patches of the solid in a STEP or IGES file; the fluid is inside.
+
+    `fluid` says which of several solids, or that a solid is the chip and not the fluid:
+
+    - "solid": the file's only solid. If there are several, or if it has closed cavities, a CadError
+      lists the choices.
+    - a number (from 1) or the name of a solid: that one.
+    - "material": the only solid, without its cavities.
+    - the name of a STEP closed shell inside a solid: the room inside that shell.
+    - "all": all solids together; faces that two of them share are left out.
+    - "void": the room that the solids leave of the box of their corners, closed cavities too. Flat
+      faces in the box's sides are called port_1, port_2, ... by x, then y, then z of their middles.
+      If there are several such rooms, "void 1", "void 2", ...: large ones first.
 
     Coordinates are in the file's own unit, normals point into the fluid. Patches are called what
     the file calls their faces (`names="names"`: STEP's name of the face, IGES's entity label), by
     the face's layer or level (`names="layers"`) or by its colour, "#rrggbb" (`names="colours"`).
-    `time_limit` in seconds bounds the CAD kernel's work. Warns with CadWarning of what is unusual
+
+    Faces that fill a rectangle of their surface's parameters, and plane faces, become exact
+    patches; other trimmed faces become splines that deviate from them by less than `tolerance`
+    times the face's size. `time_limit` in seconds bounds the CAD kernel's work. Warns with CadWarning of what is unusual
     or had to be assumed.
 
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
-    exactly one volume, and for faces that no way of laying patches covers exactly.
+    exactly one volume, and for faces that no way of laying patches covers.
     """
-    model = open_model(path, time_limit, names)
+    model = open_model(path, time_limit, names, fluid)
     for warning in model.warnings:
         warn(warning, CadWarning, stacklevel=2)
     for obstacle in model.obstacles():
         raise CadError(obstacle)
-    boundary = Boundary(tuple(_all_patches(model)), model.file, model.unit.name)
+    boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
     return oriented(boundary)
 
 
@@ -61,11 +84,11 @@ def oriented(boundary: Boundary) -> Boundary:
     return replace(boundary, patches=tuple(turned))
 
 
-def _all_patches(model: CadModel) -> list[Patch]:
+def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
     patches, refused = [], []
     for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
         try:
-            patches += model.patches(face)
+            patches += model.patches(face, tolerance)[0]
         except CadError:
             refused.append(face)
     if refused:
