@@ -4,18 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from math import ceil
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cadbem.errors import SelectionError
 from cadbem.points import SurfacePoints, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
+from cadbem.refinement import Predicate, Size, count_rule, edge_rule, size_rule, spans_rule
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 from cadbem.spline.project import closest_point
 
-Predicate = Callable[[Array, Array], bool]
 Selector = str | int | Sequence[int] | Sequence[float] | Predicate
 
 
@@ -37,8 +37,7 @@ class Patch:
     def quadrature(self, order: int) -> tuple[SurfacePoints, Array]:
         """Gauss points, ``order`` a direction in each element, and weights (with Jacobian)."""
         rules = [
-            gauss_on_breaks(order, self.surface.breaks(d))
-            for d in range(len(self.surface.degrees))
+            gauss_on_breaks(order, self.surface.breaks(d)) for d in range(len(self.surface.degrees))
         ]
         parameters, weights = tensor_rule(rules)
         points = surface_points(self.surface, *parameters)
@@ -107,9 +106,7 @@ class Boundary:
             return [i for i, p in numbered if p.face == selector]
         if callable(selector):
             middles = [p.middle() for p in self.patches]
-            return [
-                i for i, m in enumerate(middles) if selector(m.position[:, 0], m.normal[:, 0])
-            ]
+            return [i for i, m in enumerate(middles) if selector(m.position[:, 0], m.normal[:, 0])]
         if all(isinstance(s, int) for s in selector):
             return [i for i, p in numbered if p.face in selector]
         return self._at_point(name, np.asarray(selector, dtype=float))
@@ -122,9 +119,7 @@ class Boundary:
         low, high = self.bounds()
         tolerance = 1e-6 * float(np.linalg.norm(high - low))
         hits = [
-            i
-            for i, p in enumerate(self.patches)
-            if closest_point(p.surface, point)[1] < tolerance
+            i for i, p in enumerate(self.patches) if closest_point(p.surface, point)[1] < tolerance
         ]
         if len({self.patches[i].face or -i for i in hits}) > 1:
             raise SelectionError(
@@ -146,35 +141,62 @@ class Boundary:
         return self._mapped(lambda s: s.elevated((degree,) * len(s.degrees)))
 
     def refined(
-        self, spans: int | None = None, *, size: float | Sequence[float] | None = None
+        self,
+        spans: int | None = None,
+        *,
+        size: Size | None = None,
+        elements: int | None = None,
+        near: ArrayLike | None = None,
+        growth: float = 0.5,
     ) -> Boundary:
-        """Knots inserted until each direction has ``spans`` elements, or elements of a ``size``.
+        """Knots inserted until elements are small enough; existing knots and the shape stay.
 
-        ``size`` is a length in the boundary's unit, or one length an axis for elements that are
-        longer along some axes than along others.  Existing knots stay.
+        Give one of ``spans``, the number of elements in each direction of each patch; ``size``,
+        how long elements may be in the boundary's unit: a length, one length an axis, or a
+        function of positions (dim, N) -> (N,); ``elements``, about how many there may be in all.
+        ``near`` is a path, points (dim, n) joined by straight lines, or one point (dim,):
+        elements have the ``size`` there and grow by ``growth`` times the distance from it.
+
+        A knot line runs across its whole patch, so that elements get smaller beside the path too.
+        Raises ``ValueError`` for sizes that are not positive or words that do not go together.
         """
-        if (spans is None) == (size is None):
-            raise ValueError("give either the number of spans or the size of elements")
-        scale = np.broadcast_to(1.0 if size is None else np.asarray(size), (self.dimension,))
-        return self._mapped(lambda s: s.inserted(_new_knots(s, spans, scale)))
+        if sum(given is not None for given in (spans, size, elements)) != 1:
+            raise ValueError("give one of spans, size and elements")
+        if near is not None and not (elements or isinstance(size, float | int)):
+            raise ValueError("near goes with a size that is one length, or with elements")
+        if near is not None and np.shape(near)[:1] != (self.dimension,):
+            raise ValueError(f"near has shape {np.shape(near)} instead of ({self.dimension}, n)")
+        if spans is not None:
+            rule = spans_rule(spans)
+        elif size is not None:
+            rule = size_rule(size, near, growth)
+        else:
+            assert elements is not None
+            rule = count_rule([p.surface for p in self.patches], elements, near, growth)
+        return self._mapped(lambda s: s.inserted(rule(s)))
 
     def graded(
         self,
-        levels: int,
+        levels: int | None = None,
         ratio: float = 0.45,
         *,
+        size: float | None = None,
         toward: Predicate | None = None,
     ) -> Boundary:
         """Elements that shrink towards the patches' edges, where flows are singular.
 
-        The element at an edge is cut at ``ratio``, ratio², ... of its width, ``levels`` times.
+        The element at an edge is cut at ``ratio``, ratio², ... of its width, ``levels`` times, or
+        until the one at the edge is no longer than ``size`` (then at a somewhat larger ratio, so
+        that it is just as long).
         ``toward(position, inward) -> bool`` is asked in the middle of each edge, with the
         direction from there into the patch; without it all edges are graded.
         """
         if not 0 < ratio < 1:
             raise ValueError(f"the ratio {ratio} of grading must lie between 0 and 1")
-        shares = np.array([ratio**k for k in range(levels, 0, -1)])
-        return self._mapped(lambda s: s.inserted(_graded_knots(s, shares, toward)))
+        if (levels is None) == (size is None) or (size is not None and not size > 0):
+            raise ValueError("give either the levels of grading or a positive size")
+        rule = edge_rule(levels, ratio, size, toward)
+        return self._mapped(lambda s: s.inserted(rule(s)))
 
     def turned(self) -> Boundary:
         """The same surface with its normals the other way: fluid and solid exchanged."""
@@ -209,61 +231,3 @@ class Boundary:
         centre = self.bounds().mean(axis=0)[:, None]
         flux = ((points.position - centre) * points.normal).sum(axis=0)
         return -float(flux @ weights) / self.dimension
-
-
-def _new_knots(surface: Nurbs, spans: int | None, scale: Array) -> list[Array]:
-    knots = []
-    for direction in range(len(surface.degrees)):
-        breaks = surface.breaks(direction)
-        lengths = _span_lengths(surface, direction, scale)
-        if spans is not None:
-            lengths = lengths / lengths.sum() * spans
-        pieces = [max(1, ceil(length - 1e-6)) for length in lengths]
-        inner = [
-            np.linspace(a, b, n + 1)[1:-1]
-            for a, b, n in zip(breaks[:-1], breaks[1:], pieces, strict=True)
-        ]
-        knots.append(np.concatenate(inner))
-    return knots
-
-
-def _graded_knots(
-    surface: Nurbs, shares: Array, toward: Predicate | None
-) -> list[Array]:
-    knots = []
-    for direction in range(len(surface.degrees)):
-        breaks = surface.breaks(direction)
-        ends = []
-        for edge, inner in ((breaks[0], breaks[1]), (breaks[-1], breaks[-2])):
-            if toward is None or toward(*_edge_middle(surface, direction, edge, inner)):
-                ends.append(edge + (inner - edge) * shares)
-        knots.append(np.concatenate(ends) if ends else np.empty(0))
-    return knots
-
-
-def _edge_middle(
-    surface: Nurbs, direction: int, edge: float, inner: float
-) -> tuple[Array, Array]:
-    """Middle of an edge, and the unit vector from there into the patch."""
-    middle = [0.5 * (a + b) for a, b in surface.domain]
-    middle[direction] = edge
-    start = surface.evaluate(*middle)
-    middle[direction] = inner
-    inward = surface.evaluate(*middle) - start
-    return start, inward / np.linalg.norm(inward)
-
-
-def _span_lengths(surface: Nurbs, direction: int, scale: Array, samples: int = 8) -> Array:
-    """Longest scaled length of each span of a direction among lines across the other one."""
-    breaks = surface.breaks(direction)
-    fractions = np.linspace(0, 1, samples + 1)
-    along = breaks[:-1, None] + np.diff(breaks)[:, None] * fractions
-    across = [
-        np.linspace(*ends, samples + 1) for d, ends in enumerate(surface.domain) if d != direction
-    ]
-    grids = list(np.meshgrid(along.ravel(), *across, indexing="ij"))
-    if direction == 1:
-        grids.reverse()
-    points = surface.evaluate(*grids).reshape(len(scale), *along.shape, -1)
-    steps = np.linalg.norm(np.diff(points, axis=2) / scale.reshape(-1, 1, 1, 1), axis=0)
-    return steps.sum(axis=1).max(axis=-1)

@@ -15,6 +15,7 @@ from cadbem.cad import read_cad, write_patches
 from cadbem.cad.brep import read_brep
 from cadbem.cad.shells import find_shells
 from cadbem.errors import CadError
+from cadbem.post import bezier_grid
 from cadbem.spline.nurbs import Nurbs
 from cadbem.spline.outlines import circle
 from cadbem.spline.shapes import box, sphere, sphere_octants
@@ -205,3 +206,13 @@ def test_what_cannot_be_written(
         write_patches(tmp_path / file, boundary)
     assert (tmp_path / "old.step").read_text() == "mine"
     assert list(tmp_path.iterdir()) == [tmp_path / "old.step"]
+
+
+@pytest.mark.parametrize("shape", [sphere, sphere_octants])
+def test_vtk_cells_of_a_ball(shape) -> None:
+    """All points that VTK draws on the Bézier cells are 2 from the centre, in single precision."""
+    boundary = named(shape(2.0, (1, 0, 0))).refined(2)
+    grid = bezier_grid(boundary)
+    points = grid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=4).points
+    assert len(points) > 5000
+    assert np.linalg.norm(points - [1, 0, 0], axis=1) == pytest.approx(2, abs=4e-7)

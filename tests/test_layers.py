@@ -8,7 +8,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
     {"errors"},
     {"spline", "quadrature", "kernels"},
-    {"boundary", "extension", "points", "closed_points"},
+    {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},
     {"operators"},
     {"problems"},
