@@ -30,6 +30,7 @@ _UNIT_NAMES = {"IN": 1, "INCH": 1, "MM": 2, "FT": 4, "MI": 5, "M": 6, "KM": 7, "
                "UM": 9, "CM": 10, "UIN": 11}  # fmt: skip
 _COLOURS = ("", "#000000", "#ff0000", "#00ff00", "#0000ff", "#ffff00", "#ff00ff", "#00ffff",
             "#ffffff")  # fmt: skip
+RAGGED = 0.02  # gap in a loop, per size of it, that nobody repairs
 _LINE, _ARC, _CONIC, _COMPOSITE, _SPLINE, _MATRIX = 110, 100, 104, 102, 126, 124
 _CURVE_ON_SURFACE, _TRIMMED, _BOUNDARY, _BOUNDED = 142, 144, 141, 143
 _Edge = tuple[Array, Array, Array]  # both ends and a point between
@@ -111,7 +112,10 @@ class IgesText:
         for entity in self._entities.values():
             if entity.kind in (_TRIMMED, _BOUNDED):
                 surface = self._entities[entity.reference(1 if entity.kind == _TRIMMED else 2)]
-                edges = [edge for loop in self._loops(entity) for edge in self._edges(loop)]
+                loops = [self._edges(loop) for loop in self._loops(entity)]
+                for loop, loop_edges in zip(self._loops(entity), loops, strict=True):
+                    _check_closed(loop_edges, f"curve {loop}")
+                edges = [edge for loop_edges in loops for edge in loop_edges]
                 corners = np.array([point for edge in edges for point in edge[:2]]).reshape(-1, 3)
                 middles = np.array([edge[2] for edge in edges]).reshape(-1, 3)
                 name = entity.label or surface.label
@@ -165,6 +169,19 @@ class IgesText:
             return point
         matrix = transformation.numbers(1, 12).reshape(3, 4)
         return self._placed(transformation, matrix[:, :3] @ point + matrix[:, 3])
+
+
+def _check_closed(edges: list[_Edge], place: str) -> None:
+    """Raises ValueError if an end of an edge lies far from all others; the kernel's repair of such
+    loops may never end."""
+    ends = np.array([point for edge in edges for point in edge[:2]])
+    if not len(ends):
+        return
+    gaps = np.linalg.norm(ends[:, None] - ends, axis=2)
+    np.fill_diagonal(gaps, np.inf)
+    size = np.ptp(np.array(edges).reshape(-1, 3), axis=0).max()
+    if gaps.min(axis=1).max() > RAGGED * size:
+        raise ValueError(f"{place} round a face is not closed")
 
 
 def _line(entity: _Entity) -> _Edge:
