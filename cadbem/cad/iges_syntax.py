@@ -7,8 +7,9 @@ missing, doubled or in disorder; the CAD kernel reads on in silence.
 from __future__ import annotations
 
 import re
+from math import prod
 
-import numpy as np
+from cadbem.cad.spline_checks import check_knots, check_weights
 
 SECTIONS = "SGDPT"
 _NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d+)?")
@@ -47,35 +48,21 @@ def check_parameters(kind: int, place: str, words: list[str]) -> None:
     if not words or words[0] != str(kind):
         raise ValueError(f"the parameters of {place} are those of another entity")
     if kind in (_CURVE, _SURFACE):
-        _check_spline(kind - _CURVE == 2, place, words)
+        _check_spline(words, 1 + (kind == _SURFACE), place)
 
 
-def _check_spline(surface: bool, place: str, words: list[str]) -> None:
-    if surface:
-        upper, degrees, start = words[1:3], words[3:5], 10
-    else:
-        upper, degrees, start = words[1:2], words[2:3], 7
-    counts = [int(word) + 1 for word in upper]
-    orders = [int(word) + 1 for word in degrees]
-    total = counts[0] * counts[-1] if surface else counts[0]
-    knots = sum(counts) + sum(orders)
-    if min(counts) < 2 or min(orders) < 2 or len(words) < start + knots + 4 * total:
+def _check_spline(words: list[str], dimension: int, place: str) -> None:
+    """Upper indices, degrees, properties, knots, weights, points, range."""
+    counts = [int(word) + 1 for word in words[1 : 1 + dimension]]
+    degrees = [int(word) for word in words[1 + dimension : 1 + 2 * dimension]]
+    start, total = 4 + 3 * dimension, prod(counts)
+    if len(words) < start + sum(counts) + sum(degrees) + dimension + 4 * total:
         raise ValueError(f"{place} has fewer numbers than it says")
-    for count, order in zip(counts, orders, strict=True):
-        values = np.array([number(word) for word in words[start : start + count + order]])
-        check_knots(values, order - 1, count, place)
-        start += count + order
-    if min(number(word) for word in words[start : start + total]) <= 0:
-        raise ValueError(f"{place} has a weight that is not positive")
-
-
-def check_knots(values: np.ndarray, degree: int, count: int, place: str) -> None:
-    """Raises ValueError if flat knots cannot be those of a spline with `count` functions."""
-    rising = (np.diff(values) >= 0).all() and values[0] < values[-1]
-    inner = values[1:-1] if len(values) > 2 else values
-    crowded = np.unique(inner, return_counts=True)[1].max() > degree + 1
-    if len(values) != count + degree + 1 or not rising or crowded or count <= degree:
-        raise ValueError(f"{place} has knots that are none")
+    for count, degree in zip(counts, degrees, strict=True):
+        stop = start + count + degree + 1
+        check_knots([number(word) for word in words[start:stop]], degree, count, place)
+        start = stop
+    check_weights([number(word) for word in words[start : start + total]], place)
 
 
 def number(word: str) -> float:

@@ -26,8 +26,13 @@ class CadSource:
 
     @property
     def text(self) -> str:
-        """Decoded byte by byte: names keep what they are in the file's own encoding of UTF-8."""
-        return self.data.decode("utf-8", errors="replace")
+        """As UTF-8, or byte by byte where it is not that, and in IGES, where columns count."""
+        if self.kind == "step":
+            try:
+                return self.data.decode("utf-8")
+            except UnicodeDecodeError:
+                pass
+        return self.data.decode("latin-1")
 
 
 def read_source(path: str | Path) -> CadSource:

@@ -7,6 +7,7 @@ import re
 import numpy as np
 
 from cadbem.cad.marks import FaceMark, Unit
+from cadbem.cad.spline_checks import check_step_spline
 from cadbem.cad.step_styles import colours, faces_of, layers
 from cadbem.cad.step_syntax import dangling, decoded, entities, references
 from cadbem.spline.basis import Array
@@ -40,6 +41,8 @@ class StepText:
 
     def __init__(self, text: str) -> None:
         self._entities = entities(text)
+        for number, body in self._entities.items():
+            check_step_spline(number, body)
 
     def unit(self) -> Unit:
         """The unit of length; millimetres are assumed if the file does not say.
