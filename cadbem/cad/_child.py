@@ -2,7 +2,7 @@
 
 Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
 ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)
-or "void" (the box of the solids' corners without the solids). Writes `model.json` with what was
+or "void" (the solids' box without the solids). Writes `model.json` with what was
 found, and `model.brep` (faces, exactly) or `mesh.npz` (tetrahedra) into the folder. Imports
 nothing from the project, so that it starts quickly.
 """
@@ -15,6 +15,8 @@ from pathlib import Path
 
 SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
 SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
+BEHIND = 1e-3  # distance, per size, at which one looks whether a solid goes on behind its side
+MARGIN = 0.1  # room left beside sides that are not flat, per size of the model
 REMEDIES = (
     {"fixSmallFaces": True},
     {"fixSmallEdges": True, "sewFaces": True},
@@ -164,21 +166,50 @@ def _prepared(gmsh, room: str) -> dict:
         gmsh.model.occ.synchronize()
         return _found(gmsh)
     if room == "void" and solids:
-        box = _corner_box(gmsh)
+        box, flat = _room_box(gmsh, solids)
         sides = [high - low for low, high in zip(box[:3], box[3:], strict=True)]
-        if min(sides) > 0:
-            block = gmsh.model.occ.addBox(*box[:3], *sides)
-            gmsh.model.occ.cut([(3, block)], solids)
-            gmsh.model.occ.synchronize()
-        return _found(gmsh) | {"box": box}
+        gmsh.model.occ.cut([(3, gmsh.model.occ.addBox(*box[:3], *sides))], solids)
+        gmsh.model.occ.synchronize()
+        return _found(gmsh) | {"box": box, "flat": flat}
     return {}
 
 
-def _corner_box(gmsh) -> list[float]:
-    """The box of the corners: the kernel's own boxes are a little larger."""
-    corners = [gmsh.model.getValue(0, tag, []) for _, tag in gmsh.model.getEntities(0)]
-    axes = list(zip(*corners, strict=True))
-    return [float(pick(axis)) for pick in (min, max) for axis in axes]
+def _room_box(gmsh, solids: list) -> tuple[list[float], list[bool]]:
+    """The box of the corners (the kernel's own boxes are a little larger), and which of its sides
+    hold a plane face with nothing behind it; the others are moved away from the solids."""
+    model = gmsh.model
+    boxes = [model.getBoundingBox(*solid) for solid in solids]
+    size = max(max(b[k + 3] for b in boxes) - min(b[k] for b in boxes) for k in range(3))
+    tags = {tag for _, tag in model.getBoundary(solids, combined=False, oriented=False)}
+    faces = [(_corners(gmsh, tag), _middle(gmsh, tag)) for tag in tags]
+    box, flat = [], []
+    for pick, sign, shift in ((min, -1, 0), (max, 1, 3)):
+        for k in range(3):
+            side = pick(point[k] for points, _ in faces for point in points)
+            beyond = pick(b[k + shift] for b in boxes) + sign * MARGIN * size
+            flush = [
+                points
+                for points, place in faces
+                if points and all(abs(point[k] - side) < SMALL * size for point in (*points, place))
+            ]
+            behind = [point.copy() for points in flush for point in points]
+            for point in behind:
+                point[k] += sign * BEHIND * size
+            free = not any(model.isInside(*s, [x for p in behind for x in p]) for s in solids)
+            flat.append(bool(flush) and free)
+            box.append(float(side if flat[-1] else beyond))
+    return box, flat
+
+
+def _corners(gmsh, face: int) -> list[list[float]]:
+    ends = gmsh.model.getBoundary([(2, face)], recursive=True)
+    return [list(gmsh.model.getValue(0, tag, [])) for _, tag in ends]
+
+
+def _middle(gmsh, face: int) -> list[float]:
+    """The point of the face's surface in the middle of its parameters."""
+    low, high = gmsh.model.getParametrizationBounds(2, face)
+    return list(gmsh.model.getValue(2, face, [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2]))
 
 
 def _mesh(gmsh, size: float, target: Path) -> None:

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Sequence, Sized
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from cadbem.cad.brep import BrepFace, read_brep
+from cadbem.cad.brep import BrepFace
 from cadbem.cad.face_geometry import edge_points
 from cadbem.cad.kernel import KernelModel
 from cadbem.cad.marks import Unit
@@ -71,13 +71,16 @@ def room_of(fluid: int | str) -> str:
 
 
 def choose_fluid(
-    source: CadSource, unit: Unit, kernel: KernelModel, fluid: int | str = "solid"
+    source: CadSource,
+    unit: Unit,
+    kernel: KernelModel,
+    faces: Sequence[BrepFace],
+    fluid: int | str = "solid",
 ) -> Fluid:
-    """The faces that `fluid` (see `read_cad`) means, of what `import_model` made for it.
+    """The faces that `fluid` (see `read_cad`) means, of all that `import_model` found for it.
 
     Raises CadError if there is no such solid, shell or void.
     """
-    faces = read_brep(kernel.brep)
     solids: dict[int, list[BrepFace]] = defaultdict(list)
     for face in faces:
         if face.outward:
@@ -85,7 +88,7 @@ def choose_fluid(
     loose = solids.pop(0, [])
     chooser = _Chooser(source, unit, kernel, solids)
     if not solids:
-        return Fluid(chooser.without_solid(loose, fluid))
+        return chooser.without_solid(loose, fluid)
     stray = [*loose, *(face for face in faces if not face.outward)]
     found = chooser.chosen(fluid)
     return replace(found, warnings=(*found.warnings, *chooser.left_out(stray)))
@@ -102,14 +105,14 @@ class _Chooser:
     def file(self) -> str:
         return self.source.name
 
-    def without_solid(self, loose: list[BrepFace], fluid: int | str) -> tuple[BrepFace, ...]:
+    def without_solid(self, loose: list[BrepFace], fluid: int | str) -> Fluid:
         if fluid not in ("solid", "material"):
             raise CadError(
                 f"{self.file}: fluid={fluid!r}: the file's faces form no solid; "
                 "close them in the CAD program and export a solid"
             )
         faces = [face for shell in shells_of(loose) for face in shell.faces]
-        return tuple(sorted(faces, key=lambda face: face.number))
+        return Fluid(tuple(sorted(faces, key=lambda face: face.number)))
 
     def chosen(self, fluid: int | str) -> Fluid:
         if room_of(fluid) == "void":
@@ -172,7 +175,13 @@ class _Chooser:
 
     def _void(self, fluid: str) -> Fluid:
         pieces = [_Body(number, (), shells_of(faces)) for number, faces in self.solids.items()]
-        ports = Ports(np.reshape(self.kernel.box, (2, 3)))
+        ports = Ports(np.reshape(self.kernel.box, (2, 3)), np.reshape(self.kernel.flat, (2, 3)))
+        pieces = [piece for piece in pieces if not ports.is_outside(piece.faces)]
+        if not pieces:
+            raise CadError(
+                f"{self.file}: no room in the solid is closed by flat sides of its box; "
+                "turn the solid parallel to the axes, or draw the fluid's space in the CAD program"
+            )
         pieces.sort(key=lambda piece: _rank(piece, ports))
         voids = [replace(piece, number=n) for n, piece in enumerate(pieces, start=1)]
         if fluid != "void":
@@ -228,11 +237,11 @@ class _Chooser:
             place = ", ".join(f"{x:.4g}" for x in _rounded(low, high))
             openings = ""
             if ports is not None:
-                openings = f", {len(ports.names(body.faces))} ports"
+                openings = f", {_counted(ports.names(body.faces), 'port')}"
             size = body.volume / self.unit.millimetres**3
             volume = "" if np.isnan(size) else f", volume {size:.3g}"
             words.append(
-                f"{body.number}{name} with {len(body.faces)} faces{openings} about "
+                f"{body.number}{name} with {_counted(body.faces, 'face')}{openings} about "
                 f"[{place}] {self.unit.name}{volume}"
             )
         return "; ".join(words) + ("; ..." if len(bodies) > LISTED else "")
@@ -249,6 +258,10 @@ class _Chooser:
             f"{self.file}: {count} no volume (a sheet inside or beside it), the first about "
             f"[{place}] {self.unit.name}: left out",
         )
+
+
+def _counted(things: Sized, what: str) -> str:
+    return f"{len(things)} {what}{'s' * (len(things) != 1)}"
 
 
 def _rounded(low: Array, high: Array) -> Array:

@@ -24,7 +24,8 @@ class KernelModel:
 
     `solids` are the names of the solids, in the order of the record. `healed` says in words what
     was repaired, beyond joining faces within the file's digits. `box` (min and max corner, mm) is
-    the one that solids were taken from, () unless that was asked for.
+    the one that solids were taken from, () unless that was asked for; `flat` says which of its six
+    sides are sides of the solids.
     """
 
     brep: str
@@ -35,13 +36,14 @@ class KernelModel:
     log: tuple[str, ...]
     healed: tuple[str, ...] = ()
     box: tuple[float, ...] = ()
+    flat: tuple[bool, ...] = ()
 
 
 def import_model(source: CadSource, time_limit: float, room: str = "solid") -> KernelModel:
     """Read the file; loose faces (IGES) are sewn into a solid if they fit together.
 
     `room`: "solid" leaves solids as they are, "all" makes those that touch share their faces,
-    "void" takes them out of the box of their corners.
+    "void" takes them out of their box.
     Raises CadError if the kernel fails, crashes or takes longer than `time_limit` seconds.
     """
     with TemporaryDirectory(prefix="cadbem-") as folder:
@@ -50,7 +52,7 @@ def import_model(source: CadSource, time_limit: float, room: str = "solid") -> K
         brep = record.read_text() if record.exists() else ""
     return KernelModel(
         brep, found["faces"], found["curves"], found["sewn"], tuple(found["solids"]), log,
-        tuple(found["healed"]), tuple(found.get("box", ())),
+        tuple(found["healed"]), tuple(found.get("box", ())), tuple(found.get("flat", ())),
     )  # fmt: skip
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from cadbem.boundary import Patch
-from cadbem.cad.brep import BrepFace
+from cadbem.cad.brep import BrepFace, read_brep
 from cadbem.cad.defects import APART, CROWDED, OPEN, TURNED, find_defects
 from cadbem.cad.face_geometry import edge_points, shape_of
 from cadbem.cad.fit import contradictions
@@ -122,15 +122,20 @@ def open_model(
     source = read_source(path)
     unit, marks, remarks = _text_marks(source)
     kernel = import_model(source, time_limit, room)
+    if kernel.box and kernel.faces == 0:
+        raise CadError(f"{source.name}: the solids fill their box, there is no void in them")
     if kernel.faces == 0:
         curves = f" but {kernel.curves} curves (a wireframe)" if kernel.curves else ""
         raise CadError(
             f"{source.name}: no faces{curves}; export the fluid's space as a solid or as surfaces"
         )
-    found = choose_fluid(source, unit, kernel, fluid)
+    everything = read_brep(kernel.brep)
+    _check_size(source.name, tuple(everything))
+    points = [edge_points(face) for face in everything]
+    extent = np.reshape(kernel.box, (2, 3)) if kernel.box else np.concatenate(points)
+    _check_unit(source.name, unit, marks, extent)
+    found = choose_fluid(source, unit, kernel, everything, fluid)
     faces = found.faces
-    _check_size(source.name, faces)
-    _check_unit(source.name, unit, marks, faces)
     doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_marks(marks, list(faces), unit)
     healed = [f"{source.name}: healed: {line}" for line in kernel.healed]
@@ -163,12 +168,13 @@ def _text_marks(source: CadSource) -> tuple[Unit, list[FaceMark], list[str]]:
         ) from None
 
 
-def _check_unit(file: str, unit: Unit, marks: list[FaceMark], faces: tuple[BrepFace, ...]) -> None:
-    """Our reading of the unit against the kernel's, by the size of what the text describes."""
+def _check_unit(file: str, unit: Unit, marks: list[FaceMark], extent: Array) -> None:
+    """Our reading of the unit against the kernel's, by the size of what the text describes;
+    `extent` (n, 3) are points of all that the kernel read."""
     written = [p for mark in marks for p in (mark.corners, mark.middles) if len(p)]
     sizes = [
         float(np.linalg.norm(np.ptp(np.concatenate(points), axis=0))) if points else 0.0
-        for points in (written, [edge_points(face) for face in faces])
+        for points in (written, [extent])
     ]
     if sizes[0] < 1e-6 * sizes[1] / unit.millimetres:  # a sphere has one corner only
         return

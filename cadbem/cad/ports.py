@@ -1,4 +1,4 @@
-"""Openings of a channel in a chip: faces in the sides of the chip's box."""
+"""Openings of a channel in a chip: faces in the flat sides of the chip's box."""
 
 from __future__ import annotations
 
@@ -17,13 +17,16 @@ ON_BOX = 1e-6  # distance from a side of the box, per size, within which a face 
 
 @dataclass(frozen=True, eq=False)
 class Ports:
-    """Finds ports in the sides of a box (2, 3), corners in millimetres."""
+    """Finds ports in the sides of a box (2, 3), corners in millimetres. Behind a side that is not
+    `flat` (2, 3) the chip's outside begins."""
 
     box: Array
+    flat: np.ndarray
 
     def names(self, faces: Sequence[BrepFace]) -> dict[int, str]:
         """port_1, port_2, ... by x, then y, then z of the middle of each, by number of the face."""
-        ports = [(self.grid(_middle(face)), face.number) for face in faces if self._is_port(face)]
+        sides = [face for face in faces if self._sides(face).any()]
+        ports = [(self.grid(_middle(face)), face.number) for face in sides]
         return {number: f"port_{k}" for k, (_, number) in enumerate(sorted(ports), start=1)}
 
     def grid(self, point: Array) -> tuple[float, ...]:
@@ -34,11 +37,16 @@ class Ports:
     def _tolerance(self) -> float:
         return ON_BOX * float(np.ptp(self.box, axis=0).max())
 
-    def _is_port(self, face: BrepFace) -> bool:
+    def is_outside(self, faces: Sequence[BrepFace]) -> bool:
+        """Whether a room reaches the outside."""
+        return any((self._sides(face) & ~self.flat).any() for face in faces)
+
+    def _sides(self, face: BrepFace) -> np.ndarray:
+        """The sides (2, 3) that the face lies in."""
         if face.surface.kind != PLANE:
-            return False
+            return np.zeros((2, 3), dtype=bool)
         off = np.abs(edge_points(face)[:, None] - self.box).max(axis=0)
-        return bool(off.min() < self._tolerance)
+        return off < self._tolerance
 
 
 def _middle(face: BrepFace) -> Array:
