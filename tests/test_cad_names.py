@@ -217,7 +217,7 @@ def test_a_face_that_the_kernel_divided_has_no_name(folder: Path):
 
 
 def test_names_of_a_chip_are_those_of_the_channel_in_it(folder: Path):
-    """A block [0, 4] × [0, 4] × [0, 2] with a channel 1 × 1 along x: its walls are the block's faces,
+    """A block [0, 4] × [0, 4] × [0, 2] with a channel 1 × 1 along x: its walls belong to it,
     the ports are not, and have none of its names."""
     block = occ.addBox(0, 0, 0, 4, 4, 2)
     occ.cut([(3, block)], [(3, occ.addBox(0, 1.5, 0.5, 4, 1, 1))])
