@@ -154,9 +154,9 @@ def read_surface(tokens: Tokens) -> SurfaceRecord:
         return SurfaceRecord(kind, np.zeros((0, 3)), spline=_bezier_surface(tokens))
     if kind == BSPLINE:
         return SurfaceRecord(kind, np.zeros((0, 3)), spline=_bspline_surface(tokens))
-    tokens.numbers(4 if kind == TRIMMED else 1)
+    sizes = tuple(tokens.numbers(4 if kind == TRIMMED else 1))  # an offset: its distance
     basis = read_surface(tokens)  # a trimmed surface keeps the parameters of its basis
-    return basis if kind == TRIMMED else SurfaceRecord(kind, np.zeros((0, 3)), basis=basis)
+    return basis if kind == TRIMMED else SurfaceRecord(kind, np.zeros((0, 3)), sizes, basis=basis)
 
 
 def _bezier_surface(tokens: Tokens) -> SplineRecord:

@@ -35,45 +35,6 @@ def coons_patch(curves: list[Nurbs]) -> Nurbs:
     return Nurbs.from_homogeneous(degrees, (bottom.knots[0], left.knots[0]), control)
 
 
-def round_patches(rim: list[Nurbs]) -> list[Nurbs]:
-    """The region inside four curves that may meet smoothly: a square core, four pieces around.
-
-    Raises ValueError as `coons_patch` does.
-    """
-    corners = [curve.points[0] for curve in rim]
-    centre = np.mean(corners, axis=0)
-    core = [0.5 * (centre + corner) for corner in corners]
-    inner = [segment(core[k], core[(k + 1) % 4]) for k in range(4)]
-    return [coons_patch(inner), *ring_patches(rim, inner)]
-
-
-def ring_patches(outer: list[Nurbs], inner: list[Nurbs]) -> list[Nurbs]:
-    """The region between two closed borders of as many curves each: one patch for each pair.
-
-    Raises ValueError as `coons_patch` does.
-    """
-    spokes = [segment(i.points[0], o.points[0]) for o, i in zip(outer, inner, strict=True)]
-    following = [*spokes[1:], spokes[0]]
-    return [
-        coons_patch([spoke, o, after.reversed(), i.reversed()])
-        for o, i, spoke, after in zip(outer, inner, spokes, following, strict=True)
-    ]
-
-
-def star_patches(halves: list[list[Nurbs]]) -> list[Nurbs]:
-    """The region inside sides given as two halves each: one patch a corner, round the centre.
-
-    Raises ValueError as `coons_patch` does.
-    """
-    middles = [first.points[-1] for first, _ in halves]
-    centre = np.mean([*middles, *[first.points[0] for first, _ in halves]], axis=0)
-    spokes = [segment(centre, middle) for middle in middles]
-    return [
-        coons_patch([spokes[k - 1], halves[k - 1][1], halves[k][0], spokes[k].reversed()])
-        for k in range(len(halves))
-    ]
-
-
 def segment(start: Array, end: Array) -> Nurbs:
     """The straight line between two points."""
     return Nurbs((1,), (np.array([0.0, 0.0, 1.0, 1.0]),), np.array([start, end]), np.ones(2))

@@ -7,7 +7,7 @@ import numpy as np
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.brep_geometry import PLANE
 from cadbem.cad.curves import Interval, curve_nurbs
-from cadbem.cad.surfaces import natural_domain
+from cadbem.cad.surfaces import natural_domain, surface_nurbs
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -94,6 +94,37 @@ def sampled(curve: Nurbs) -> Array:
     breaks = np.unique(curve.knots[0])
     inside = np.linspace(breaks[:-1], breaks[1:], 7).T.ravel()
     return curve.evaluate(inside)
+
+
+def is_planar(face: BrepFace) -> bool:
+    """A plane, or a spline surface whose control points lie in one."""
+    if face.surface.kind == PLANE:
+        return True
+    box = parameter_box(face)
+    if box is None or face.surface.basis is not None:
+        return False
+    points = surface_nurbs(face.surface, *box).points.reshape(-1, 3)
+    sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(sizes[2] < FLAT * sizes[0])
+
+
+def plane_of(face: BrepFace) -> tuple[Array, Array]:
+    """A point of a planar face and two unit vectors (2, 3) in it; their cross product is along
+    ∂u × ∂v of the surface."""
+    if face.surface.kind == PLANE:
+        origin, _, x, y = face.surface.frame
+        first, second = np.array([x, y]) @ face.matrix[:3, :3].T
+        return face.matrix[:3, :3] @ origin + face.matrix[:3, 3], np.array([first, second])
+    box = parameter_box(face)
+    assert box is not None
+    surface = located(surface_nurbs(face.surface, *box), face)
+    middle = [0.5 * (low + high) for low, high in surface.domain]
+    tangents = surface.derivatives(1, *middle)
+    flat = surface.points.reshape(-1, 3)
+    centre = flat.mean(axis=0)
+    first, second = np.linalg.svd(flat - centre, full_matrices=False)[2][:2]
+    along = np.cross(first, second) @ np.cross(tangents[1, 0], tangents[0, 1])
+    return centre, np.array([first, second if along > 0 else -second])
 
 
 def located(surface: Nurbs, face: BrepFace) -> Nurbs:

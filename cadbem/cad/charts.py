@@ -1,0 +1,201 @@
+"""A face of the CAD model spread out in the plane, and the way back for four-sided parts of it.
+
+A plane face lies in the plane as it is, and its parts become patches whose edges are exact. Other
+faces are spread out by their surface's parameters, scaled by the mean lengths of the tangents so
+that angles and sizes are about those in space; parts that are not rectangles of parameters become
+splines through points of the surface, within a tolerance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import reduce
+from itertools import pairwise
+
+import numpy as np
+
+from cadbem.cad.approximate import approximated
+from cadbem.cad.brep import BrepFace, EdgeUse
+from cadbem.cad.brep_geometry import CurveRecord
+from cadbem.cad.coons import coons_patch, joined
+from cadbem.cad.evaluate import KernelSurface
+from cadbem.cad.face_geometry import FLAT, is_planar, located, parameter_box, plane_of
+from cadbem.cad.parts import Part, Side, along
+from cadbem.cad.region import Loop, Region, merged, region_of
+from cadbem.cad.strokes import Stroke, line
+from cadbem.cad.surfaces import surface_nurbs
+from cadbem.spline.basis import Array
+from cadbem.spline.nurbs import Nurbs
+
+TINY = 1e-9  # length of a stroke, per size of the face, that is left out
+JOINT = 1e-3  # distance between strokes that follow each other, per size of the face
+
+Piece = tuple[Nurbs, float]  # a patch and its largest deviation from the face
+
+
+@dataclass(frozen=True, eq=False)
+class PlaneChart:
+    """Points O + x X + y Y of a plane; ∂u × ∂v of the face's surface is along X × Y."""
+
+    region: Region
+    origin: Array
+    axes: Array  # (2, 3)
+
+    def pieces(self, part: Part, tolerance: float) -> Iterator[Piece]:
+        """The part's patch; raises ValueError if weights vanish inside."""
+        sides = [reduce(joined, [stroke.nurbs() for stroke in side]) for side in part.sides]
+        yield coons_patch(sides).transformed(self.axes.T, self.origin), 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class SurfaceChart:
+    """Parameters (u, v) times `scale`."""
+
+    region: Region
+    face: BrepFace
+    surface: KernelSurface
+    scale: Array  # (2,)
+
+    def pieces(self, part: Part, tolerance: float) -> Iterator[Piece]:
+        """Patches of the part, several where its sides have joints."""
+        box = self._rectangle(part)
+        if box is not None:
+            yield located(surface_nurbs(self.face.surface, *box), self.face), 0.0
+            return
+        breaks = [_breaks(part.sides[0], part.sides[2]), _breaks(part.sides[1], part.sides[3])]
+        blend = _Blend(part.sides, self)
+        for u in pairwise(breaks[0]):
+            for v in pairwise(breaks[1]):
+                yield from approximated(blend, tolerance, (*u, *v))
+
+    def _rectangle(self, part: Part) -> tuple | None:
+        """The part's rectangle of parameters, if it is one."""
+        corners = np.array([side[0].samples[:, 0] for side in part.sides])
+        low, high = corners.min(axis=0), corners.max(axis=0)
+        straight = all(len(side) == 1 and side[0].is_straight for side in part.sides)
+        on_box = np.minimum(np.abs(corners - low), np.abs(corners - high)) < FLAT * (high - low)
+        if not (straight and on_box.all()):
+            return None
+        ends = np.stack([low, high]) / self.scale
+        limits = np.array([self.surface.u, self.surface.v]).T
+        close = np.abs(ends - limits) < FLAT * np.diff(limits, axis=0)
+        return tuple(map(tuple, np.where(close, limits, ends).T.tolist()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Blend:
+    """The map (ξ, η) -> face by blending the sides in the plane."""
+
+    sides: tuple[Side, Side, Side, Side]
+    chart: SurfaceChart
+
+    def __call__(self, xi: Array, eta: Array) -> Array:
+        south, north = along(self.sides[0], xi), along(self.sides[2], 1 - xi)
+        east, west = along(self.sides[1], eta), along(self.sides[3], 1 - eta)
+        a, b, c, d = (side[0].samples[:, :1] for side in self.sides)
+        corners = (1 - xi) * (1 - eta) * a + xi * (1 - eta) * b + xi * eta * c + (1 - xi) * eta * d
+        flat = (1 - eta) * south + eta * north + (1 - xi) * west + xi * east - corners
+        return self.chart.surface.points(*(flat / self.chart.scale[:, None]))
+
+
+def chart_of(face: BrepFace) -> PlaneChart | SurfaceChart | None:
+    """The face spread out; None if its loops do not close or it lacks parameter curves."""
+    return _plane_chart(face) if is_planar(face) else _surface_chart(face)
+
+
+def _plane_chart(face: BrepFace) -> PlaneChart | None:
+    origin, axes = plane_of(face)
+    loops = []
+    for uses in face.loops:
+        strokes = [
+            _stroke(_projected(use.curve, axes @ use.matrix[:3, :3],
+                               axes @ (use.matrix[:3, 3] - origin)), use)
+            for use in uses if use.curve is not None
+        ]  # fmt: skip
+        loops.append(strokes)
+    region = _region(loops)
+    return PlaneChart(region, origin, axes) if region else None
+
+
+def _surface_chart(face: BrepFace) -> SurfaceChart | None:
+    box = parameter_box(face)
+    if box is None:
+        return None
+    surface = KernelSurface(face.surface, *box, face.matrix)
+    u, v = np.meshgrid(*[np.linspace(low, high, 7)[1:-1] for low, high in box])
+    _, along_u, along_v = surface.frames(u.ravel(), v.ravel())
+    scale = np.array([np.linalg.norm(t, axis=0).mean() for t in (along_u, along_v)])
+    loops = [
+        [_stroke(_projected(curve_of(use), np.diag(scale), np.zeros(2)), use) for use in uses]
+        for uses in face.loops
+    ]
+    region = _region(loops)
+    return SurfaceChart(region, face, surface, scale) if region else None
+
+
+def curve_of(use: EdgeUse) -> CurveRecord:
+    """The edge's parameter curve: on a seam the second one belongs to the reversed pass."""
+    return use.parameter_curves[-1 if use.sign < 0 else 0]
+
+
+def _stroke(record: CurveRecord, use: EdgeUse) -> Stroke:
+    first, last = use.interval
+    return Stroke(record, first, last) if use.sign > 0 else Stroke(record, last, first)
+
+
+def _projected(record: CurveRecord | None, matrix: Array, shift: Array) -> CurveRecord:
+    """The image of a curve in the plane under an affine map."""
+    assert record is not None
+    if record.spline is not None:
+        spline = replace(record.spline, points=record.spline.points @ matrix.T + shift)
+        return replace(record, frame=np.zeros((0, 2)), spline=spline)
+    frame = record.frame @ matrix.T
+    frame[0] += shift
+    return replace(record, frame=frame)
+
+
+def _region(loops: list[list[Stroke]]) -> Region | None:
+    """Loops with their strokes in order, straight ones simplified."""
+    ends = [stroke.points(np.array([0.0, 1.0])) for strokes in loops for stroke in strokes]
+    if not ends:
+        return None
+    size = float(np.ptp(np.concatenate(ends, axis=1), axis=1).max())
+    size = max(size, *(float(np.ptp(s.samples, axis=1).max()) for lp in loops for s in lp))
+    closed = [_closed(strokes, size) for strokes in loops]
+    if not all(closed):
+        return None
+    return region_of([loop for loop in closed if loop])
+
+
+def _closed(strokes: list[Stroke], size: float) -> Loop | None:
+    """A wire lists its edges in any order: follow them from end to end."""
+    parts = [part for stroke in strokes for part in stroke.smooth_parts()]
+    free = [_simple(part) for part in parts if part.length > TINY * size]
+    if not free:
+        return None
+    chain = [free.pop(0)]
+    while free:
+        here = chain[-1].samples[:, -1]
+        gaps = [float(np.hypot(*(stroke.samples[:, 0] - here))) for stroke in free]
+        following = int(np.argmin(gaps))
+        if gaps[following] > JOINT * size:
+            return None
+        chain.append(free.pop(following))
+    gap = np.hypot(*(chain[0].samples[:, 0] - chain[-1].samples[:, -1]))
+    return merged(tuple(chain)) if gap <= JOINT * size else None
+
+
+def _simple(stroke: Stroke) -> Stroke:
+    return line(stroke.samples[:, 0], stroke.samples[:, -1]) if stroke.is_straight else stroke
+
+
+def _breaks(first: Side, second: Side) -> list[float]:
+    """Shares of two opposite sides' lengths at which the strokes of one of them meet."""
+    at = [0.0, 1.0]
+    for side, backwards in ((first, False), (second, True)):
+        ends = np.cumsum([stroke.length for stroke in side])
+        shares = ends[:-1] / ends[-1]
+        at += (1 - shares if backwards else shares).tolist()
+    distinct = np.unique(np.round(at, 9))
+    return distinct.tolist()

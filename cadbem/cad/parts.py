@@ -1,0 +1,111 @@
+"""Four-sided parts of a region: their sides, and how well these are blended inside."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from cadbem.cad.region import Loop, interior_angles
+from cadbem.cad.strokes import Stroke
+from cadbem.spline.basis import Array
+
+POOR = 0.12  # least quality of a part that is used
+CORNER, STRAIGHT = np.radians(150), np.radians(40)  # largest corner; largest kink within a side
+
+Side = tuple[Stroke, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Part:
+    """Four sides round a region, counter-clockwise; `quality` as `part_quality` says."""
+
+    sides: tuple[Side, Side, Side, Side]
+    quality: float
+
+    @property
+    def patches(self) -> int:
+        """How many smooth patches it becomes: it is cut where strokes of a side meet, or where an
+        arc passes a right angle."""
+        across = [np.concatenate([joints(self.sides[k]), 1 - joints(self.sides[k + 2])[::-1]])
+                  for k in (0, 1)]  # fmt: skip
+        counts = [1 + len(np.unique(np.round(at, 6))) for at in across]
+        return counts[0] * counts[1]
+
+
+def joints(side: Side) -> Array:
+    """Shares of a side's length at which its strokes, or pieces of arcs, meet."""
+    lengths = np.array([stroke.length for stroke in side])
+    starts = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
+    at = [
+        start + length * np.arange(pieces) / pieces
+        for stroke, start, length in zip(side, starts, lengths, strict=True)
+        for pieces in [stroke.arcs]
+    ]
+    return np.concatenate(at)[1:] / lengths.sum()
+
+
+def four_sided(loop: Loop) -> Part | None:
+    """The loop as one part, if it has four corners and no other strong kink."""
+    if len(loop) < 4:
+        return None
+    angles = interior_angles(loop)
+    corners = np.sort(np.argsort(angles, kind="stable")[:4])
+    others = np.delete(angles, corners)
+    if angles[corners].max() > CORNER or (np.abs(others - np.pi) > STRAIGHT).any():
+        return None
+    ends = [*corners.tolist(), int(corners[0]) + len(loop)]
+    sides = [tuple(loop[k % len(loop)] for k in range(a, b)) for a, b in pairwise(ends)]
+    return part_of(sides)
+
+
+def part_of(sides: list[Side]) -> Part | None:
+    """A part, or None if its Coons map folds."""
+    quality = part_quality(sides)
+    return Part((sides[0], sides[1], sides[2], sides[3]), quality) if quality > 0 else None
+
+
+def part_quality(sides: list[Side]) -> float:
+    """The smaller of the least sine between parameter lines and four times the ratio of least to
+    largest area element of the Coons map."""
+    points = coons_points([along(side, np.linspace(0, 1, 11)) for side in sides])
+    forth = np.diff(points, axis=1)
+    up = np.diff(points, axis=2)
+    quality = np.inf
+    elements = []
+    for a in (forth[:, :, :-1], forth[:, :, 1:]):
+        for b in (up[:, :-1], up[:, 1:]):
+            area = a[0] * b[1] - a[1] * b[0]
+            lengths = np.hypot(*a) * np.hypot(*b)
+            quality = min(quality, float((area / np.maximum(lengths, 1e-300)).min()))
+            elements.append(area)
+    largest = float(np.max(elements))
+    return min(quality, 4 * float(np.min(elements)) / largest) if largest > 0 else -1.0
+
+
+def along(side: Side, shares: Array) -> Array:
+    """Points (2, n) at shares (n,) of a side's length."""
+    ends = np.concatenate([[0.0], np.cumsum([stroke.length for stroke in side])])
+    ends /= ends[-1]
+    index = np.clip(np.searchsorted(ends, shares, side="right") - 1, 0, len(side) - 1)
+    points = np.empty((2, len(shares)))
+    for k, stroke in enumerate(side):
+        here = index == k
+        fractions = (shares[here] - ends[k]) / (ends[k + 1] - ends[k])
+        points[:, here] = stroke.at_shares(np.clip(fractions, 0, 1))
+    return points
+
+
+def coons_points(borders: list[Array]) -> Array:
+    """Bilinearly blended points (dim, n, n) of four borders (dim, n) that follow each other."""
+    south, east, north, west = borders[0], borders[1], borders[2][:, ::-1], borders[3][:, ::-1]
+    xi = np.linspace(0, 1, south.shape[1])[None, :, None]
+    eta = np.linspace(0, 1, east.shape[1])[None, None, :]
+    ruled = (1 - eta) * south[:, :, None] + eta * north[:, :, None]
+    ruled = ruled + (1 - xi) * west[:, None, :] + xi * east[:, None, :]
+    low = (1 - xi) * south[:, :1, None] + xi * south[:, -1:, None]
+    high = (1 - xi) * north[:, :1, None] + xi * north[:, -1:, None]
+    return ruled - (1 - eta) * low - eta * high
+
+
