@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cadbem.cad import inspect_cad as inspect_cad
     from cadbem.cad import mesh_volume as mesh_volume
     from cadbem.cad import read_cad as read_cad
+    from cadbem.cad import read_outline as read_outline
     from cadbem.cad import write_patches as write_patches
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
@@ -120,7 +121,7 @@ __version__ = "0.1.0"
 
 _NAMES = {
     "boundary": ("Boundary", "Patch"),
-    "cad": ("inspect_cad", "mesh_volume", "read_cad", "write_patches"),
+    "cad": ("inspect_cad", "mesh_volume", "read_cad", "read_outline", "write_patches"),
     "errors": (
         "CadError",
         "CadWarning",

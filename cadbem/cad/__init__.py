@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from cadbem.cad.export import write_patches as write_patches
+    from cadbem.cad.plane import read_outline as read_outline
     from cadbem.cad.read import read_cad as read_cad
     from cadbem.cad.report import CadReport as CadReport
     from cadbem.cad.report import FaceReport as FaceReport
@@ -18,6 +19,7 @@ _MODULES = {
     "inspect_cad": "report",
     "mesh_volume": "volume_mesh",
     "read_cad": "read",
+    "read_outline": "plane",
     "write_cad": "write",
     "write_patches": "export",
 }

@@ -2,7 +2,8 @@
 
 Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
 ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)
-or "void" (the solids' box without the solids). Writes `model.json` with what was
+or "void" (the solids' box without the solids); `_child.py section INPUT FOLDER PLANE` makes plane
+figures. Writes `model.json` with what was
 found, and `model.brep` (faces, exactly) or `mesh.npz` (tetrahedra) into the folder. Imports
 nothing from the project, so that it starts quickly.
 """
@@ -30,8 +31,10 @@ def main(task: str, source: str, folder: str, option: str) -> None:
     gmsh.initialize(interruptible=False, readConfigFiles=False)
     gmsh.option.setNumber("General.Verbosity", 2)
     try:
-        found = _import(gmsh, source)
-        if task == "record":
+        found = _section(gmsh, source, option) if task == "section" else _import(gmsh, source)
+        if task == "section":
+            gmsh.write(str(Path(folder, "model.brep")))
+        elif task == "record":
             found |= _prepared(gmsh, option)
             if found["faces"]:
                 gmsh.write(str(Path(folder, "model.brep")))
@@ -210,6 +213,70 @@ def _middle(gmsh, face: int) -> list[float]:
     """The point of the face's surface in the middle of its parameters."""
     low, high = gmsh.model.getParametrizationBounds(2, face)
     return list(gmsh.model.getValue(2, face, [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2]))
+
+
+# Plane figures
+
+
+def _section(gmsh, source: str, plane: str) -> dict:
+    """The faces in which solids meet a plane (a point and the normal, JSON, mm); without a plane
+    those that closed wires bound, one each, and the ends of wires that are open."""
+    occ, model = gmsh.model.occ, gmsh.model
+    _load(gmsh, source)
+    if plane:
+        solids = model.getEntities(3)
+        occ.intersect([(2, _plane_face(gmsh, *json.loads(plane)))], solids)
+        occ.synchronize()
+        return {"faces": len(model.getEntities(2)), "open": []}
+    occ.removeAllDuplicates()
+    occ.synchronize()
+    ends = {tag: list(model.getAdjacencies(1, tag)[1]) for _, tag in model.getEntities(1)}
+    uses: dict = {}
+    for curve, corners in ends.items():
+        for corner in corners:
+            uses.setdefault(corner, []).append(curve)
+    loose = [c for c, curves in uses.items() if len(curves) == 1 and len(set(ends[curves[0]])) > 1]
+    if not loose:
+        try:
+            for wire in _wires(ends, uses):
+                occ.addPlaneSurface([occ.addCurveLoop(wire)])
+        except Exception:  # not in a plane, or across each other
+            return {"faces": 0, "open": []}
+        occ.synchronize()
+    places = [list(map(float, model.getValue(0, corner, []))) for corner in loose]
+    return {"faces": len(model.getEntities(2)), "open": places}
+
+
+def _wires(ends: dict, uses: dict) -> list[list[int]]:
+    """Curves that follow each other from end to end."""
+    left, wires = set(ends), []
+    while left:
+        wire = [min(left)]
+        end = ends[wire[0]][-1]
+        while following := [tag for tag in uses[end] if tag in left - {wire[0]}]:
+            wire.append(following[0])
+            left.remove(following[0])
+            end = next((other for other in ends[following[0]] if other != end), end)
+        left.remove(wire[0])
+        wires.append(wire)
+    return wires
+
+
+def _plane_face(gmsh, point: list, normal: list) -> int:
+    """A square in the plane, larger than the model."""
+    import numpy as np
+
+    occ, n = gmsh.model.occ, np.array(normal) / np.linalg.norm(normal)
+    low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+    middle = 0.5 * (low + high)
+    middle -= (middle - point) @ n * n
+    x = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
+    x *= np.linalg.norm(high - low) / np.linalg.norm(x)
+    y = np.cross(n, x)
+    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    corners = [occ.addPoint(*(middle + a * x + b * y)) for a, b in signs]
+    sides = [occ.addLine(corners[k - 1], corners[k]) for k in range(4)]
+    return occ.addPlaneSurface([occ.addCurveLoop(sides)])
 
 
 def _mesh(gmsh, size: float, target: Path) -> None:

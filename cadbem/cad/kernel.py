@@ -72,6 +72,22 @@ def mesh_model(source: CadSource, size: float, time_limit: float) -> tuple[Array
             return mesh["points"], mesh["tetrahedra"]
 
 
+def section_model(
+    source: CadSource, time_limit: float, plane: tuple[Array, Array] | None = None
+) -> tuple[str, list[Array]]:
+    """The record of the faces in which solids meet a plane (point, normal; mm), "" if nowhere.
+
+    Without a plane: of the faces that the file's closed wires bound, one a wire, or, if wires are
+    open, their ends.
+    Raises CadError as `import_model` does.
+    """
+    option = json.dumps([list(map(float, vector)) for vector in plane]) if plane else ""
+    with TemporaryDirectory(prefix="cadbem-") as folder:
+        found, _ = _run(source, Path(folder), time_limit, "section", option)
+        brep = Path(folder, "model.brep").read_text() if found["faces"] else ""
+    return brep, [np.array(end) for end in found["open"]]
+
+
 def _run(
     source: CadSource, folder: Path, time_limit: float, task: str, *options: str
 ) -> tuple[dict, tuple[str, ...]]:
