@@ -60,7 +60,8 @@ def room_of(fluid: int | str) -> str:
 
     Raises CadError if `fluid` is neither a name nor a number from 1.
     """
-    if isinstance(fluid, bool) or not isinstance(fluid, int | str) or fluid in (0, ""):
+    number = isinstance(fluid, int) and not isinstance(fluid, bool) and fluid > 0
+    if not number and not (isinstance(fluid, str) and fluid):
         raise CadError(
             f"fluid={fluid!r}: give a solid's name or number (from 1), "
             "'solid', 'material', 'all' or 'void'"

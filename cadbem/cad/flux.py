@@ -40,12 +40,12 @@ def face_flux(face: BrepFace, centre: Array) -> float:
 
 def _edge_integral(surface: KernelSurface, curve: Nurbs, centre: Array) -> float:
     nodes, weights = gauss_unit(ORDER)
-    ends = _pieces(np.unique(curve.knots[0]))
+    ends = _pieces(_joints(surface, curve))
     steps = np.diff(ends)[:, None]
     t, t_weights = (ends[:-1, None] + steps * nodes).ravel(), (steps * weights).ravel()
     derivatives = curve.derivatives(1, t)
     (u, v), dv = derivatives[(0,)], derivatives[(1,)][1]
-    breaks = _pieces(_breaks(surface.record, surface.u))
+    breaks = _pieces(_breaks(surface.record, 0, surface.u))
     ends = np.minimum(breaks, np.maximum(u, surface.u[0])[:, None])
     lengths = np.diff(ends, axis=1)
     across = ends[:, :-1, None] + lengths[:, :, None] * nodes
@@ -66,10 +66,26 @@ def _pieces(breaks: Array) -> Array:
     return np.append(fine.ravel(), breaks[-1])
 
 
-def _breaks(surface: SurfaceRecord, interval: Interval) -> Array:
-    """The interval of u, cut where a spline surface's pieces meet."""
-    inner = np.array([])
-    if surface.spline is not None and not surface.spline.periodic[0]:
-        knots = surface.spline.knots[0]
-        inner = knots[(knots > interval[0]) & (knots < interval[1])]
+def _joints(surface: KernelSurface, curve: Nurbs) -> Array:
+    """Parameters of an edge where it, or the surface under it, changes to another polynomial."""
+    joints = np.unique(curve.knots[0])
+    if len(curve.points) > 2:
+        return joints
+    first, last = curve.points[:, 1]  # a straight line in the plane of parameters
+    if first == last:
+        return joints
+    rows = _breaks(surface.record, 1, (min(first, last), max(first, last)))
+    across = joints[0] + (rows - first) / (last - first) * (joints[-1] - joints[0])
+    return np.unique(np.clip([*joints, *across], *joints[[0, -1]]))
+
+
+def _breaks(surface: SurfaceRecord, axis: int, interval: Interval) -> Array:
+    """The interval of a parameter, cut where a spline surface's pieces meet."""
+    if surface.spline is None:
+        return np.array(interval)
+    knots = surface.spline.knots[axis]
+    if surface.spline.periodic[axis]:
+        period = knots[-1] - knots[0]
+        knots = np.concatenate([knots + turn * period for turn in (-1, 0, 1)])
+    inner = knots[(knots > interval[0]) & (knots < interval[1])]
     return np.unique([*interval, *inner])
