@@ -181,8 +181,8 @@ def test_an_oblique_cut() -> None:
 
 
 def test_a_spline_wall_is_cut_exactly() -> None:
-    """The constriction is 2 high, so its plan has half its volume 11.2, to rounding; the kernel's
-    own fit of the cut is 3e-6 off."""
+    """Height 1 and volume 11.2: so is the area of the plan, to rounding, on the wall's own cubic;
+    the kernel's fit of the cut has degree 6 and is 1e-9 off."""
     boundary = read_outline(GEOMETRIES / "constriction.step")
     assert boundary.volume() == pytest.approx(11.2, rel=1e-13)
     assert Counter(p.name for p in boundary.patches) == {"inlet": 1, "outlet": 1, "walls": 2}

@@ -25,7 +25,8 @@ from cadbem.errors import CadError, CadWarning
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
-SAME = 1e-6  # share of the figure's size within which ends meet and points lie in its plane
+JOINED = 1e-4  # share of the figure's size within which ends belong together
+SAME = 1e-6  # share of the figure's size within which ends meet well and points lie in its plane
 AXIS = 1e-9  # how near a normal is to an axis that is meant
 
 
@@ -104,12 +105,16 @@ def read_outline(
     elif point is not None or normal is not None:
         raise CadError(f"{source.name}: there is no solid to cut; leave out point and normal")
     else:
-        unit, patches = file_unit(source), _drawn(source, kernel.brep, time_limit)
+        unit = file_unit(source)
+        patches = _drawn(source, kernel.brep, unit, time_limit)
     size = float(np.ptp(np.concatenate([p.surface.points for p in patches]), axis=0).max())
-    loops, end = rings(patches, SAME * size)
+    loops, gap, end = rings(patches, JOINED * size)
     if end is not None:
-        place = np.array2string(end / unit.millimetres, precision=4, separator=", ")
+        place = _words(end, unit)
         raise CadError(f"{source.name}: the curves do not close, an end is at {place}; join them")
+    if gap > SAME * size:
+        gap_there = f"{gap / unit.millimetres:.2g} {unit.name}"
+        warn(f"{source.name}: curves meet up to {gap_there} only", CadWarning, stacklevel=2)
     chosen = _chosen(source.name, regions(loops), region, unit)
     pieces = [
         replace(patch, surface=replace(piece, points=piece.points / unit.millimetres))
@@ -160,7 +165,7 @@ def _chosen(file: str, found: list[Ring], region: int | None, unit: Unit) -> Rin
         return found[0]
     sizes = [
         f"{k} of area {Boundary(ring).volume() / unit.millimetres**2:.4g} about "
-        + np.array2string(Boundary(ring).bounds().mean(axis=0) / unit.millimetres, precision=4)
+        + _words(Boundary(ring).bounds().mean(axis=0), unit)
         for k, ring in enumerate(found, start=1)
     ]
     raise CadError(
@@ -168,15 +173,14 @@ def _chosen(file: str, found: list[Ring], region: int | None, unit: Unit) -> Rin
     )
 
 
-def _drawn(source: CadSource, brep: str, time_limit: float) -> list[Patch]:
+def _drawn(source: CadSource, brep: str, unit: Unit, time_limit: float) -> list[Patch]:
     """The curves of a drawing without solids, numbered."""
     if not brep:
         brep, ends = section_model(source, time_limit)
         if ends:
-            places = np.array2string(ends[0], precision=4, separator=", ")
             raise CadError(
                 f"{source.name}: the wires do not close: {len(ends)} open ends, the first at "
-                f"{places} mm; join them in the CAD program"
+                f"{_words(ends[0], unit)}; join them in the CAD program"
             )
     faces = read_brep(brep) if brep else []
     if not faces:
@@ -194,6 +198,12 @@ def _drawn(source: CadSource, brep: str, time_limit: float) -> list[Patch]:
         )
     curves = [plane.flat(curve) for curve in _outer_curves(faces, SAME * size)]
     return [Patch(curve, "", k) for k, curve in enumerate(curves, start=1)]
+
+
+def _words(point: Array, unit: Unit) -> str:
+    """A place in the file's unit."""
+    rounded = (f"{x + 0.0:.4g}" for x in np.round(point / unit.millimetres, 12))
+    return f"[{', '.join(rounded)}] {unit.name}".rstrip()
 
 
 def _outer_curves(faces: Iterable[BrepFace], near: float) -> list[Nurbs]:

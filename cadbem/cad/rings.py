@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.spline.basis import Array
@@ -15,32 +14,34 @@ Ring = tuple[Patch, ...]
 SAMPLES = 33  # points on a curve, for asking what lies inside
 
 
-def rings(patches: list[Patch], near: float) -> tuple[list[Ring], Array | None]:
-    """Closed rings of curves that follow each other, and an end (2,) that meets no other one."""
+def rings(patches: list[Patch], near: float) -> tuple[list[Ring], float, Array | None]:
+    """Closed rings of curves that follow each other, the largest distance of ends that meet, and
+    an end (2,) that has no other one `near`."""
     ends = np.array([patch.surface.points[[0, -1]] for patch in patches])
     left = set(range(len(patches)))
     found: list[Ring] = []
-    tree = cKDTree(ends.reshape(-1, 2))
+    gap = 0.0
     while left:
-        first = min(left)
-        left.remove(first)
-        ring, start, end = [patches[first]], ends[first, 0], ends[first, 1]
-        while np.linalg.norm(end - start) > near:
-            following = _following(tree.query_ball_point(end, near), left)
-            if following is None:
-                return found, end
-            index, backwards = divmod(following, 2)
+        index, backwards = min(left), 0
+        start, ring = ends[index, 0], []
+        while True:
             left.remove(index)
             patch = patches[index]
-            ring.append(replace(patch, surface=patch.surface.reversed()) if backwards else patch)
+            turned = replace(patch, surface=patch.surface.reversed())
+            ring.append(turned if backwards else patch)
             end = ends[index, 1 - backwards]
+            following = [2 * k + side for k in left for side in (0, 1)]
+            gaps = np.linalg.norm(ends.reshape(-1, 2)[following] - end, axis=1)
+            closing = float(np.linalg.norm(end - start))
+            if closing <= min(near, gaps.min(initial=np.inf)):
+                gap = max(gap, closing)
+                break
+            if gaps.min(initial=np.inf) > near:
+                return found, gap, end
+            gap = max(gap, float(gaps.min()))
+            index, backwards = divmod(following[int(np.argmin(gaps))], 2)
         found.append(tuple(ring))
-    return found, None
-
-
-def _following(near_ends: list[int], left: set[int]) -> int | None:
-    """The nearby end of a curve that is left: its number times two, plus one for a curve's end."""
-    return next((k for k in sorted(near_ends) if k // 2 in left), None)
+    return found, gap, None
 
 
 def regions(loops: list[Ring]) -> list[Ring]:
