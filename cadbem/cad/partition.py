@@ -81,7 +81,7 @@ def _settled(parts: list[Part], region: Region) -> bool:
         return False
     corners = int((np.abs(region.angles - np.pi) > np.radians(30)).sum())
     few = 5 if corners < 4 else (corners - 1) // 2
-    return len(parts) == 1 or _patches(parts) <= few + 4 * (len(region.loops) - 1)
+    return len(parts) <= few + 4 * (len(region.loops) - 1)
 
 
 def _worst(parts: list[Part]) -> float:

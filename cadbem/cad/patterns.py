@@ -120,6 +120,8 @@ def _core(rim: list[Side]) -> list[Part]:
 
 def _rim(loop: Loop, corners: list[int]) -> list[Side]:
     """The loop as four sides between its corners, and between points where it has turned most."""
+    if not corners and len(loop) == 1:  # from its joint, lest a patch is cut there
+        return _by_turning(loop, 4)
     if not corners:
         start = max(range(len(loop)), key=lambda k: loop[k].length if loop[k].is_straight else 0.0)
         first, second = split_turning((*loop[start:], *loop[:start]), 0.125)
