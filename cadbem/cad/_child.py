@@ -17,6 +17,7 @@ from pathlib import Path
 SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
 SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
 BEHIND = 1e-3  # distance, per size, at which one looks whether a solid goes on behind its side
+INFLATED = 2e-7  # by which the kernel's boxes are too large at most, mm
 MARGIN = 0.1  # room left beside sides that are not flat, per size of the model
 REMEDIES = (
     {"fixSmallFaces": True},
@@ -87,20 +88,26 @@ def _size(gmsh) -> float:
 
 
 def _sew(gmsh, source: str) -> float:
-    """Join loose faces into solids, with the smallest tolerance (returned) that leaves none loose;
-    if none does, with the smallest that makes a solid; else leave the faces as they were."""
+    """Join loose faces into solids, or at least to each other. The smallest tolerance (returned)
+    that does best is taken, 0 if faces are as well off as they were."""
     size = _size(gmsh)
-    makers = []
+    found = [(_looseness(gmsh), 0.0)]
     for tolerance in SEWING:
         _heal(gmsh, source, tolerance * size, {"sewFaces": True})
-        loose = _loose_faces(gmsh)
-        if gmsh.model.getEntities(3):
-            makers.append((loose, tolerance * size))
-            if not loose:
-                break
-    best = min(makers, default=(0, 0.0))[1]
+        found.append((_looseness(gmsh), tolerance * size))
+        if gmsh.model.getEntities(3) and not _loose_faces(gmsh):
+            break
+    best = min(found)[1]
     _heal(gmsh, source, best, {"sewFaces": best > 0})
     return best
+
+
+def _looseness(gmsh) -> tuple[bool, int, int]:
+    """Whether there is no solid, faces of none, edges of one face: seams, too."""
+    alone = sum(
+        len(gmsh.model.getAdjacencies(1, tag)[0]) == 1 for _, tag in gmsh.model.getEntities(1)
+    )
+    return not gmsh.model.getEntities(3), _loose_faces(gmsh), alone
 
 
 def _loose_faces(gmsh) -> int:
@@ -184,16 +191,16 @@ def _room_box(gmsh, solids: list) -> tuple[list[float], list[bool]]:
     boxes = [model.getBoundingBox(*solid) for solid in solids]
     size = max(max(b[k + 3] for b in boxes) - min(b[k] for b in boxes) for k in range(3))
     tags = {tag for _, tag in model.getBoundary(solids, combined=False, oriented=False)}
-    faces = [(_corners(gmsh, tag), _middle(gmsh, tag)) for tag in tags]
+    faces = [(tag, _corners(gmsh, tag), model.getBoundingBox(2, tag)) for tag in tags]
     box, flat = [], []
     for pick, sign, shift in ((min, -1, 0), (max, 1, 3)):
         for k in range(3):
-            side = pick(point[k] for points, _ in faces for point in points)
+            side = pick(point[k] for _, points, _ in faces for point in points)
             beyond = pick(b[k + shift] for b in boxes) + sign * MARGIN * size
             flush = [
-                points
-                for points, place in faces
-                if points and all(abs(point[k] - side) < SMALL * size for point in (*points, place))
+                [*points, _middle(gmsh, tag)]
+                for tag, points, b in faces
+                if max(abs(b[k] - side), abs(b[k + 3] - side)) < SMALL * size + INFLATED
             ]
             behind = [point.copy() for points in flush for point in points]
             for point in behind:

@@ -1,0 +1,166 @@
+"""Models that are sewn or healed because they need it, and only then; defects that stay."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import gmsh
+import numpy as np
+import pytest
+
+from cadbem.cad import read_cad
+from cadbem.cad.model import CadModel, open_model
+from cadbem.cad.orientation import enclosed
+from cadbem.errors import CadError, CadWarning
+
+occ = gmsh.model.occ
+CORNERS = [(0, 0, 0), (1, 0, 0), (1, 2, 0), (0, 2, 0), (0, 0, 3), (1, 0, 3), (1, 2, 3), (0, 2, 3)]
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Iterator[Path]:
+    """A fresh gmsh model, and a folder for files."""
+    gmsh.initialize(interruptible=False, readConfigFiles=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield tmp_path
+    gmsh.finalize()
+
+
+def exported(path: Path) -> Path:
+    occ.synchronize()
+    gmsh.write(str(path))
+    return path
+
+
+def opened(path: Path) -> CadModel:
+    return open_model(path, 60.0)
+
+
+def polyhedron(corners: list[tuple], faces: list[list[int]]) -> None:
+    """A solid with plane faces; neighbours share their edges."""
+    points = [occ.addPoint(*corner) for corner in corners]
+    lines: dict[tuple[int, int], int] = {}
+
+    def line(start: int, end: int) -> int:
+        if (end, start) in lines:
+            return -lines[end, start]
+        return lines.setdefault((start, end), occ.addLine(points[start], points[end]))
+
+    def plane(loop: list[int]) -> int:
+        edges = [line(a, b) for a, b in zip(loop, loop[1:] + loop[:1], strict=True)]
+        return occ.addPlaneSurface([occ.addCurveLoop(edges)])
+
+    occ.addVolume([occ.addSurfaceLoop([plane(loop) for loop in faces])])
+
+
+def box_with_short_edge(length: float) -> None:
+    """1 × 2 × 3; the edge x = 1, z = 3 has a corner `length` before its end: 6 faces, 13 edges."""
+    faces = [
+        [3, 2, 1, 0],
+        [4, 5, 8, 6, 7],
+        [0, 1, 5, 4],
+        [1, 2, 6, 8, 5],
+        [2, 3, 7, 6],
+        [3, 0, 4, 7],
+    ]
+    polyhedron([*CORNERS, (1, 2 - length, 3)], faces)
+
+
+def box_with_sliver(width: float) -> None:
+    """1 × 2 × 3; a strip of `width` of the side x = 1 is a face of its own: 7 faces, 15 edges."""
+    faces = [[3, 2, 9, 1, 0], [4, 5, 8, 6, 7], [0, 1, 5, 4], [1, 9, 8, 5], [9, 2, 6, 8],
+             [2, 3, 7, 6], [3, 0, 4, 7]]  # fmt: skip
+    polyhedron([*CORNERS, (1, 2 - width, 3), (1, 2 - width, 0)], faces)
+
+
+@pytest.mark.parametrize("author", [box_with_short_edge, box_with_sliver])
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+def test_what_is_too_small_is_removed_with_a_warning(folder: Path, author, suffix: str):
+    """5e-7 is less than 1e-6 of the size 3: twelve edges and six faces of a box stay, and its
+    volume up to a layer of 5e-7 on its surface of 22."""
+    author(5e-7)
+    path = exported(folder / f"small{suffix}")
+    with pytest.warns(CadWarning, match=r"healed: .* (1[35]) edges became 12\)"):
+        boundary = read_cad(path)
+    assert len(boundary.patches) == 6
+    assert boundary.volume() == pytest.approx(6, abs=22 * 5e-7)
+
+
+@pytest.mark.parametrize(("author", "faces"), [(box_with_short_edge, 6), (box_with_sliver, 7)])
+def test_what_is_large_enough_is_left_alone(folder: Path, author, faces: int):
+    """1e-3 of an edge may be meant: all faces and corners stay as they are."""
+    author(1e-3)
+    model = opened(exported(folder / "fine.step"))
+    assert len(model.faces) == faces
+    assert model.kernel.healed == ()
+    assert model.warnings == ()
+    ends = np.concatenate([use.ends for f in model.faces for loop in f.loops for use in loop])
+    assert any(np.array_equal(end, [1, 2 - 1e-3, 3]) for end in ends)
+    assert enclosed(model.faces) == pytest.approx(6, rel=1e-12)
+
+
+def test_poles_are_no_mistakes(folder: Path):
+    """The ends of a sphere's seam are edges of no length, rightly so."""
+    occ.addSphere(0, 0, 0, 1)
+    assert opened(exported(folder / "ball.step")).kernel.healed == ()
+
+
+def loose_box(gap: float) -> None:
+    """Six faces of 1 × 2 × 3, each with corners of its own; that at z = 3 is `gap` away."""
+    for x, turn in ((0, 0), (1, 0)):
+        tag = occ.addRectangle(0, 0, 0, 3, 2)
+        occ.rotate([(2, tag)], 0, 0, 0, 0, 1, 0, -np.pi / 2)
+        occ.translate([(2, tag)], x, turn, 0)
+    for y in (0, 2):
+        tag = occ.addRectangle(0, 0, 0, 1, 3)
+        occ.rotate([(2, tag)], 0, 0, 0, 1, 0, 0, np.pi / 2)
+        occ.translate([(2, tag)], 0, y, 0)
+    for z in (0, 3 + gap):
+        occ.addRectangle(0, 0, z, 1, 2)
+
+
+@pytest.mark.parametrize("gap", [0.0, 3e-7, 3e-6])
+def test_separate_faces_are_sewn(folder: Path, gap: float):
+    """Gaps of up to 1e-6 of the size; the height is 3 or 3 + gap."""
+    loose_box(gap)
+    model = opened(exported(folder / "loose.igs"))
+    assert model.kernel.sewn
+    assert model.obstacles() == []
+    assert enclosed(model.faces) == pytest.approx(6 + gap, abs=2 * gap + 1e-8)
+
+
+def test_faces_too_far_apart_are_located(folder: Path):
+    """A lid 1e-3 above the box: its four edges are alone, and so are those of the four sides."""
+    loose_box(1e-3)
+    model = opened(exported(folder / "loose.igs"))
+    (problem,) = model.obstacles()
+    assert "8 edges belong to one face only" in problem
+    defects = model.defective_faces()
+    lid = max(model.faces, key=lambda face: model.centre(face)[2])
+    floor = min(model.faces, key=lambda face: model.centre(face)[2])
+    assert len(defects) == 5
+    assert lid.number in defects
+    assert floor.number not in defects
+    assert "belongs to this face only" in defects[lid.number]
+
+
+def test_a_lasting_opening_is_that_of_the_file(folder: Path):
+    """A box without its lid, from separate faces: four edges are open, eight are joined."""
+    loose_box(0.0)
+    occ.remove([(2, 6)])
+    with pytest.raises(CadError, match=r"4 edges belong to one face only, the first at \[.*, 3\]"):
+        read_cad(exported(folder / "tub.igs"))
+
+
+def test_sound_models_have_no_defective_faces(folder: Path):
+    occ.addBox(0, 0, 0, 1, 2, 3)
+    assert opened(exported(folder / "box.step")).defective_faces() == {}
+
+
+def test_faces_at_an_edge_of_three_are_named(folder: Path):
+    """Cubes that touch in an edge: the two faces of each that meet there."""
+    occ.addBox(0, 0, 0, 1, 1, 1)
+    occ.addBox(1, 1, 0, 1, 1, 1)
+    model = open_model(exported(folder / "cubes.step"), 60.0, fluid="all")
+    defects = model.defective_faces()
+    assert len(defects) == 4
+    assert set(defects.values()) == {"the edge at [1, 1, 0.5] mm belongs to more than two faces"}
