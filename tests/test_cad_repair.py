@@ -118,14 +118,16 @@ def loose_box(gap: float) -> None:
         occ.addRectangle(0, 0, z, 1, 2)
 
 
-@pytest.mark.parametrize("gap", [0.0, 3e-7, 3e-6])
+@pytest.mark.parametrize("gap", [0.0, 3e-7])
 def test_separate_faces_are_sewn(folder: Path, gap: float):
-    """Gaps of up to 1e-6 of the size; the height is 3 or 3 + gap."""
+    """Gaps of up to 1e-6 of the size; the height is 3 or 3 + gap. What is more than rounding is
+    said."""
     loose_box(gap)
     model = opened(exported(folder / "loose.igs"))
     assert model.kernel.sewn
     assert model.obstacles() == []
     assert enclosed(model.faces) == pytest.approx(6 + gap, abs=2 * gap + 1e-8)
+    assert ("sewn" in " ".join(model.warnings)) == (gap == 3e-7)
 
 
 def test_faces_too_far_apart_are_located(folder: Path):

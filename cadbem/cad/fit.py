@@ -17,6 +17,7 @@ from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
 SAMPLES = 9
+ROUNDING = 1e-8  # misfit, per size of the model, that is one of digits
 LOOSE = 1e-6  # misfit, per size of the model, that is warned of
 WRONG = 1e-3  # ... and that is refused; sloppy but honest files reach 1e-4
 
@@ -38,6 +39,15 @@ def contradictions(
     if worst <= WRONG * size:
         return [f"{line}results are no more exact than that"], []
     return [], [f"{line}the file is damaged, export it again"]
+
+
+def sewing_gaps(file: str, unit: Unit, faces: tuple[BrepFace, ...]) -> list[str]:
+    """A line if faces that were sewn lie further apart than the file's digits explain."""
+    worst = max(misfit(face) for face in faces)
+    size = float(np.ptp(np.concatenate([edge_points(face) for face in faces]), axis=0).max())
+    if not ROUNDING * size < worst <= LOOSE * size:
+        return []
+    return [f"{file}: healed: faces {worst / unit.millimetres:.1g} {unit.name} apart were sewn"]
 
 
 def misfit(face: BrepFace) -> float:

@@ -11,7 +11,7 @@ from cadbem.boundary import Patch
 from cadbem.cad.brep import BrepFace, read_brep
 from cadbem.cad.defects import APART, CROWDED, OPEN, TURNED, find_defects
 from cadbem.cad.face_geometry import edge_points, shape_of
-from cadbem.cad.fit import contradictions
+from cadbem.cad.fit import contradictions, sewing_gaps
 from cadbem.cad.fluid import choose_fluid, room_of
 from cadbem.cad.iges_text import IgesText
 from cadbem.cad.kernel import KernelModel, import_model
@@ -139,6 +139,8 @@ def open_model(
     doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_marks(marks, list(faces), unit)
     healed = [f"{source.name}: healed: {line}" for line in kernel.healed]
+    if kernel.sewn:
+        healed += sewing_gaps(source.name, unit, faces)
     warnings = [
         *remarks, *healed, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
     ]  # fmt: skip
