@@ -57,8 +57,8 @@ def assert_same(found: Boundary, written: Boundary) -> None:
         assert all(np.array_equal(a, b) for a, b in zip(other.knots, own.knots, strict=True))
 
 
-def returned(boundary: Boundary, path: Path) -> Boundary:
-    return read_cad(write_patches(path, boundary))
+def returned(boundary: Boundary, path: Path, fluid: str = "solid") -> Boundary:
+    return read_cad(write_patches(path, boundary), fluid=fluid)
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -104,11 +104,12 @@ def test_round_solids(tmp_path: Path, kernel: None, author, suffix: str) -> None
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
-@pytest.mark.parametrize("unit", ["um", "m", "inch"])
-def test_units(tmp_path: Path, suffix: str, unit: str) -> None:
-    ball = named(sphere(100.0, (1 / 3, 0, 0), inwards=True), unit)
+@pytest.mark.parametrize(("unit", "radius"), [("um", 100.0), ("m", 1e-3), ("inch", 0.01)])
+def test_units(tmp_path: Path, suffix: str, unit: str, radius: float) -> None:
+    ball = named(sphere(radius, (radius / 3, 0, 0), inwards=True), unit)
     assert_same(returned(ball, tmp_path / f"ball{suffix}"), ball)
-    assert_same(returned(replace(ball, unit=""), tmp_path / f"b{suffix}"), replace(ball, unit="mm"))
+    bare = named(sphere(1.0, inwards=True), "")
+    assert_same(returned(bare, tmp_path / f"bare{suffix}"), replace(bare, unit="mm"))
 
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
@@ -128,7 +129,7 @@ def test_a_corner_within_a_neighbours_edge(tmp_path: Path, suffix: str) -> None:
 def test_a_cavity_and_a_body(tmp_path: Path) -> None:
     """Fluid between a box and a ball, and a ball on its own: its space is what a file holds."""
     shell = (*sphere_octants(2.0, inwards=True), *sphere(1.0))
-    assert_same(returned(named(shell), tmp_path / "shell.step"), named(shell))
+    assert_same(returned(named(shell), tmp_path / "shell.step", "material"), named(shell))
     ball = returned(named(sphere(1.0)), tmp_path / "ball.step")
     assert ball.volume() == pytest.approx(4 * np.pi / 3, rel=1e-12)
 
