@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator
-from math import pi
+from math import asin, pi
 from pathlib import Path
 
 import gmsh
@@ -139,6 +139,21 @@ def test_sides_that_are_not_flat_hold_no_ports(folder: Path):
     model = opened(exported(folder / "disc.step"), "void")
     assert volume(model) == pytest.approx(3, rel=1e-12)
     assert port_places(model) == {"port_1": [-1.5, 0, 2], "port_2": [1.5, 0, 2]}
+
+
+def test_a_plane_wall_deep_inside_is_no_side(folder: Path):
+    """A tube of radii 0.7 and 1 and length 4 along z, whose corners lie at y = 0, as does the end
+    of a rib in its bore, 0.6 wide and 1 long: V = π 0.7² 4 less the rib."""
+    ring = occ.cut([(3, occ.addCylinder(0, 0, 0, 0, 0, 4, 1))],
+                   [(3, occ.addCylinder(0, 0, 0, 0, 0, 4, 0.7))])[0]  # fmt: skip
+    rib = occ.intersect([(3, occ.addBox(-0.3, -2, 1, 0.6, 2, 1))],
+                        [(3, occ.addCylinder(0, 0, 0, 0, 0, 4, 0.8))])[0]  # fmt: skip
+    occ.fuse(ring, rib)
+    model = opened(exported(folder / "tube.step"), "void")
+    # cross-section of the rib in the bore: strip |x| < 0.3 from y = -sqrt(0.49 - x²) to 0
+    strip = 0.3 * (0.49 - 0.09) ** 0.5 + 0.49 * asin(0.3 / 0.7)
+    assert volume(model) == pytest.approx(pi * 0.49 * 4 - strip, rel=1e-8)
+    assert port_places(model) == {"port_1": [0, 0, 0], "port_2": [0, 0, 4]}
 
 
 def test_a_chip_across_the_axes_is_refused(folder: Path):

@@ -13,12 +13,10 @@ from __future__ import annotations
 import json
 import sys
 from pathlib import Path
+from runpy import run_path
 
 SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
 SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
-BEHIND = 1e-3  # distance, per size, at which one looks whether a solid goes on behind its side
-INFLATED = 2e-7  # by which the kernel's boxes are too large at most, mm
-MARGIN = 0.1  # room left beside sides that are not flat, per size of the model
 REMEDIES = (
     {"fixSmallFaces": True},
     {"fixSmallEdges": True, "sewFaces": True},
@@ -176,50 +174,13 @@ def _prepared(gmsh, room: str) -> dict:
         gmsh.model.occ.synchronize()
         return _found(gmsh)
     if room == "void" and solids:
-        box, flat = _room_box(gmsh, solids)
+        room_box = run_path(str(Path(__file__).with_name("_room.py")))["room_box"]
+        box, flat = room_box(gmsh, solids)
         sides = [high - low for low, high in zip(box[:3], box[3:], strict=True)]
         gmsh.model.occ.cut([(3, gmsh.model.occ.addBox(*box[:3], *sides))], solids)
         gmsh.model.occ.synchronize()
         return _found(gmsh) | {"box": box, "flat": flat}
     return {}
-
-
-def _room_box(gmsh, solids: list) -> tuple[list[float], list[bool]]:
-    """The box of the corners (the kernel's own boxes are a little larger), and which of its sides
-    hold a plane face with nothing behind it; the others are moved away from the solids."""
-    model = gmsh.model
-    boxes = [model.getBoundingBox(*solid) for solid in solids]
-    size = max(max(b[k + 3] for b in boxes) - min(b[k] for b in boxes) for k in range(3))
-    tags = {tag for _, tag in model.getBoundary(solids, combined=False, oriented=False)}
-    faces = [(tag, _corners(gmsh, tag), model.getBoundingBox(2, tag)) for tag in tags]
-    box, flat = [], []
-    for pick, sign, shift in ((min, -1, 0), (max, 1, 3)):
-        for k in range(3):
-            side = pick(point[k] for _, points, _ in faces for point in points)
-            beyond = pick(b[k + shift] for b in boxes) + sign * MARGIN * size
-            flush = [
-                [*points, _middle(gmsh, tag)]
-                for tag, points, b in faces
-                if max(abs(b[k] - side), abs(b[k + 3] - side)) < SMALL * size + INFLATED
-            ]
-            behind = [point.copy() for points in flush for point in points]
-            for point in behind:
-                point[k] += sign * BEHIND * size
-            free = not any(model.isInside(*s, [x for p in behind for x in p]) for s in solids)
-            flat.append(bool(flush) and free)
-            box.append(float(side if flat[-1] else beyond))
-    return box, flat
-
-
-def _corners(gmsh, face: int) -> list[list[float]]:
-    ends = gmsh.model.getBoundary([(2, face)], recursive=True)
-    return [list(gmsh.model.getValue(0, tag, [])) for _, tag in ends]
-
-
-def _middle(gmsh, face: int) -> list[float]:
-    """The point of the face's surface in the middle of its parameters."""
-    low, high = gmsh.model.getParametrizationBounds(2, face)
-    return list(gmsh.model.getValue(2, face, [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2]))
 
 
 # Plane figures
