@@ -135,6 +135,7 @@ def _finished(command: list[str], folder: Path, time_limit: float, name: str) ->
                     bar.update(monotonic() - start - bar.n)
         finally:
             process.kill()  # also when the user interrupts
+            process.wait()  # `Popen` waits only a moment then, and may leave a zombie
     raise CadError(
         f"{name}: the CAD kernel was not done after {time_limit:g} s; "
         "simplify the model, or allow more time with time_limit"
