@@ -18,8 +18,9 @@ def write_patches(path: str | Path, boundary: Boundary, *, overwrite: bool = Fal
     """Write a boundary's patches as a STEP (.step, .stp) or IGES (.igs, .iges) file, exactly.
 
     Each patch becomes a rational B-spline surface, a face with its name, in the boundary's unit
-    (millimetres if it has none); `read_cad` gives the same patches back. STEP (AP214): patches
-    that close become solids, others a shell. IGES (5.3): surfaces on their own.
+    (millimetres if it has none); `read_cad` gives the same patches back, with the fluid inside
+    what they enclose. STEP (AP214): patches that close become solids, others a shell. IGES (5.3):
+    surfaces on their own, which the reader has to sew (STEP is better for poles and cavities).
 
     Raises CadError for an unknown ending, a file that is there already (unless `overwrite`), a
     boundary in a plane, a unit or a name that the format does not know; IGES labels have at most

@@ -107,21 +107,26 @@ def read_outline(
     else:
         unit = file_unit(source)
         patches = _drawn(source, kernel.brep, unit, time_limit)
+    return _region(source.name, patches, unit, region)
+
+
+def _region(file: str, patches: list[Patch], unit: Unit, region: int | None) -> Boundary:
+    """The curves put together, turned, cut at kinks, and scaled to the file's unit."""
     size = float(np.ptp(np.concatenate([p.surface.points for p in patches]), axis=0).max())
     loops, gap, end = rings(patches, JOINED * size)
     if end is not None:
         place = _words(end, unit)
-        raise CadError(f"{source.name}: the curves do not close, an end is at {place}; join them")
+        raise CadError(f"{file}: the curves do not close, an end is at {place}; join them")
     if gap > SAME * size:
         gap_there = f"{gap / unit.millimetres:.2g} {unit.name}"
-        warn(f"{source.name}: curves meet up to {gap_there} only", CadWarning, stacklevel=2)
-    chosen = _chosen(source.name, regions(loops), region, unit)
+        warn(f"{file}: curves meet up to {gap_there} only", CadWarning, stacklevel=3)
+    chosen = _chosen(file, regions(loops), region, unit)
     pieces = [
         replace(patch, surface=replace(piece, points=piece.points / unit.millimetres))
         for patch in chosen
         for piece in smooth_pieces(patch.surface)
     ]
-    return Boundary(tuple(pieces), source.name, unit.name)
+    return Boundary(tuple(pieces), file, unit.name)
 
 
 def _cut(
