@@ -113,7 +113,6 @@ def _finished(command: list[str], folder: Path, time_limit: float, name: str) ->
     """Exit code and output of the child; it is killed when the time is over."""
     start = monotonic()
     with (
-        Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, cwd=folder) as process,
         tqdm(
             desc=f"{name}: CAD kernel",
             unit="s",
@@ -122,6 +121,7 @@ def _finished(command: list[str], folder: Path, time_limit: float, name: str) ->
             leave=False,
             disable=None,
         ) as bar,
+        Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, cwd=folder) as process,
     ):
         try:
             while True:
