@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cadbem.boundary import Patch
 from cadbem.cad.brep import BrepFace
 from cadbem.cad.charts import chart_of
 from cadbem.cad.face_geometry import (
@@ -20,8 +21,8 @@ from cadbem.cad.face_geometry import (
     parameter_box,
     parameter_curves,
     sampled,
-    shape_of,
 )
+from cadbem.cad.flux import face_area
 from cadbem.cad.partition import divided
 from cadbem.cad.quality import worst_angle
 from cadbem.cad.surfaces import smooth_pieces, surface_nurbs
@@ -29,6 +30,9 @@ from cadbem.errors import CadError
 from cadbem.spline.nurbs import Nurbs
 
 TOLERANCE = 1e-6  # deviation from a curved trimmed face, per size of the face
+UNCOVERED = 1e-5  # share of the area by which patches may miss it: what quadrature is sure of
+ORDER = 12
+REMEDY = "split it into simpler faces in your CAD program"
 SHARPEST = 0.02  # angle (radians) between parameter lines at which a patch is folded
 
 
@@ -47,22 +51,24 @@ class Covering:
 def face_patches(face: BrepFace, tolerance: float = TOLERANCE) -> Covering:
     """Patches of a face; `tolerance` is the deviation allowed per size of the face.
 
-    Raises CadError, saying what the face is like, if there is no way to lay patches.
+    Raises CadError, saying why and what helps, if there is no way to lay patches within it.
     """
     try:
-        pieces = _rectangle(face) or _parts(face, tolerance)
+        whole = _rectangle(face)
+        pieces = [(whole, 0.0)] if whole else _parts(face, tolerance)
     except ValueError:  # weights vanish: edges bend too much
-        pieces = None
-    if not pieces:
-        raise CadError(shape_of(face))
+        raise CadError(f"its edges bend too much; {REMEDY}") from None
     surfaces = [smooth for surface, _ in pieces for smooth in smooth_pieces(surface)]
     if face.outward > 0:
         surfaces = [surface.swapped() for surface in surfaces]
-    return Covering(tuple(surfaces), max(deviation for _, deviation in pieces))
+    covering = Covering(tuple(surfaces), max(deviation for _, deviation in pieces))
+    if not whole:
+        _check(face, covering, tolerance)
+    return covering
 
 
-def _rectangle(face: BrepFace) -> list[tuple[Nurbs, float]] | None:
-    """The face fills a rectangle of its surface's parameters."""
+def _rectangle(face: BrepFace) -> Nurbs | None:
+    """The face as a piece of its surface, if it fills a rectangle of the surface's parameters."""
     box = parameter_box(face)
     if box is None or len(face.loops) != 1 or face.surface.basis is not None:
         return None
@@ -76,18 +82,39 @@ def _rectangle(face: BrepFace) -> list[tuple[Nurbs, float]] | None:
         travelled += np.abs(np.diff(points, axis=1)).sum()
     if abs(travelled - 4) > 1e-3:  # the loop covers the rectangle's border once
         return None
-    return [(located(surface_nurbs(face.surface, *box), face), 0.0)]
+    return located(surface_nurbs(face.surface, *box), face)
 
 
-def _parts(face: BrepFace, tolerance: float) -> list[tuple[Nurbs, float]] | None:
+def _parts(face: BrepFace, tolerance: float) -> list[tuple[Nurbs, float]]:
     chart = chart_of(face)
-    parts = divided(chart.region) if chart else None
-    if chart is None or parts is None:
-        return None
-    size = float(np.ptp(edge_points(face), axis=0).max())
-    pieces = [piece for part in parts for piece in chart.pieces(part, tolerance * size)]
-    return pieces if all(_is_regular(patch) for patch, _ in pieces) else None
+    if chart is None:
+        raise CadError("its edges do not close in its surface's parameters; export it again")
+    parts = divided(chart.region)
+    if parts is None:
+        raise CadError(f"no way was found to divide it into well-shaped patches; {REMEDY}")
+    allowed = tolerance * size_of(face)
+    return [piece for part in parts for piece in chart.pieces(part, allowed)]
 
 
-def _is_regular(patch: Nurbs) -> bool:
-    return worst_angle(patch) > SHARPEST
+def size_of(face: BrepFace) -> float:
+    """Largest extent of the face's edges, in millimetres."""
+    return float(np.ptp(edge_points(face), axis=0).max())
+
+
+def _check(face: BrepFace, covering: Covering, tolerance: float) -> None:
+    """Raises CadError if patches fold, stray from the face or do not cover it once."""
+    size = size_of(face)
+    if covering.deviation > tolerance * size:
+        raise CadError(
+            f"patches would deviate from it by {covering.deviation / size:.1e} of its size, more "
+            f"than the tolerance {tolerance:g}; allow more with tolerance, or {REMEDY}"
+        )
+    if min(worst_angle(surface) for surface in covering.surfaces) < SHARPEST:
+        raise CadError(f"patches would fold; {REMEDY}")
+    area, expected = _area(covering), face_area(face)
+    if abs(area - expected) > (UNCOVERED + tolerance) * expected:
+        raise CadError(f"patches would cover {area / expected:.7f} of its area; {REMEDY}")
+
+
+def _area(covering: Covering) -> float:
+    return sum(Patch(surface).quadrature(ORDER)[1].sum() for surface in covering.surfaces)

@@ -56,7 +56,10 @@ class CadModel:
         Raises CadError if there is no way to lay them.
         """
         name, scale = self.names.get(face.number, ""), self.unit.millimetres
-        covering = face_patches(face, tolerance)
+        try:
+            covering = face_patches(face, tolerance)
+        except CadError as error:
+            raise CadError(f"{self.label(face)} cannot become patches: {error}") from None
         patches = [
             Patch(replace(surface, points=surface.points / scale), name, face.number)
             for surface in covering.surfaces

@@ -53,14 +53,11 @@ def _divided(region: Region, search: _Search, most: int) -> list[Part]:
     if _settled(best, region):
         return best
     search.trials -= 1
-    if search.trials <= 0 and best and _worst(best) >= POOR:
-        return best
-    branches = BRANCHES if search.trials > 0 else 1
-    for cut in best_cuts(region, branches) if most > 1 else []:
+    for cut in best_cuts(region, BRANCHES) if most > 1 else []:
+        if best and (_settled(best, region) or search.trials <= 0 and _worst(best) >= POOR):
+            break
         parts = _all_divided(region.cut(cut.first, cut.last), search, most)
         best = max(best, parts, key=_score)
-        if _settled(best, region):
-            break
     return best
 
 

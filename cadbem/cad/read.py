@@ -16,7 +16,6 @@ from cadbem.errors import CadError, CadWarning
 
 OPEN = 1e-6  # |∮ n dS| / area above which patches do not enclose a volume
 HOLLOW = 1e-9  # volume / area^(3/2) below which nothing is enclosed
-REMEDY = "split it into simpler faces in your CAD program"
 
 
 def read_cad(
@@ -85,15 +84,14 @@ def oriented(boundary: Boundary) -> Boundary:
 
 
 def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
-    patches, refused = [], []
+    patches: list[Patch] = []
+    refused: list[str] = []
     for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
         try:
             patches += model.patches(face, tolerance)[0]
-        except CadError:
-            refused.append(face)
+        except CadError as error:
+            refused.append(f"{model.file}: {error}")
     if refused:
-        others = f" and {len(refused) - 1} more" if len(refused) > 1 else ""
-        raise CadError(
-            f"{model.file}: {model.label(refused[0])}{others} cannot become patches: {REMEDY}"
-        )
+        others = f" ({len(refused) - 1} more faces cannot, either)" if len(refused) > 1 else ""
+        raise CadError(refused[0] + others)
     return patches

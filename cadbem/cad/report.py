@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, nan
 from pathlib import Path
 
@@ -13,17 +13,25 @@ from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.brep import BrepFace
-from cadbem.cad.face_geometry import points_on
+from cadbem.cad.face_geometry import edge_points, points_on
+from cadbem.cad.flux import face_area, face_flux
 from cadbem.cad.gaps import largest_distance
+from cadbem.cad.layouts import TOLERANCE
 from cadbem.cad.model import CadModel, open_model
-from cadbem.cad.read import REMEDY, oriented
+from cadbem.cad.quality import jacobian_ratio, worst_angle
+from cadbem.cad.read import oriented
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
 
 @dataclass(frozen=True)
 class FaceReport:
-    """One face; lengths in the file's unit. `area` is nan and `patches` 0 if `problem` is set."""
+    """One face; lengths in the file's unit. `area` is nan and `patches` 0 if `problem` is set.
+
+    `exact_area` is that of the CAD kernel's own surface within the face's edges. `deviation` is
+    the largest distance of patches from it; `angle` (degrees) the smallest between parameter lines
+    and `jacobian_ratio` the least over the largest area element, of the worst patch.
+    """
 
     number: int
     name: str
@@ -35,6 +43,10 @@ class FaceReport:
     problem: str = ""
     layer: str = ""
     colour: str = ""  # "#rrggbb"
+    exact_area: float = nan
+    deviation: float = nan
+    angle: float = nan
+    jacobian_ratio: float = nan
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,10 +54,12 @@ class CadReport:
     """A file and its faces; lengths in the file's `unit`.
 
     `area`, `volume` and `gap` (largest distance between a patch and an edge that two faces share)
-    are those of the patches, nan if some face has none. `bounds` (2, 3) is the box of edges and
-    patches, by sampling.
+    are those of the patches, nan if some face has none; `exact_area` and `exact_volume` those of
+    the CAD kernel's surfaces and edges, integrated without patches. `bounds` (2, 3) is the box of
+    edges and patches, by sampling.
     `problems` are lines that say what is wrong and what to do; there are none if `read_cad` works.
     `remarks` are what `read_cad` warns about, and what the CAD kernel complained about.
+    `defects` says what is wrong with faces, by number.
     """
 
     file: str
@@ -53,27 +67,43 @@ class CadReport:
     faces: tuple[FaceReport, ...]
     area: float
     volume: float
+    exact_area: float
+    exact_volume: float
     bounds: Array
     gap: float
     problems: tuple[str, ...]
     remarks: tuple[str, ...]
+    defects: dict[int, str]
+
+    @property
+    def deviation(self) -> float:
+        """Largest distance of a patch from its face."""
+        return max(face.deviation for face in self.faces)
 
 
-def inspect_cad(path: str | Path, *, names: str = "names", time_limit: float = 60.0) -> CadReport:
-    """Describe a STEP or IGES file, also one that `read_cad` refuses; `names` as there.
+def inspect_cad(
+    path: str | Path,
+    *,
+    fluid: int | str = "solid",
+    names: str = "names",
+    tolerance: float = TOLERANCE,
+    time_limit: float = 60.0,
+) -> CadReport:
+    """Describe a STEP or IGES file, also one that `read_cad` refuses; arguments as there.
 
     Raises CadError only if the file cannot be read at all or has no faces.
     """
-    model = open_model(path, time_limit, names)
+    model = open_model(path, time_limit, names, fluid)
     patches: dict[int, list[Patch]] = {}
     reports = []
     for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
-        report, patches[face.number] = _examined(model, face)
+        report, patches[face.number] = _examined(model, face, tolerance)
         reports.append(report)
-    problems = [*model.obstacles(), *(r.problem for r in reports if r.problem)]
+    refused = {r.number: r.problem for r in reports if r.problem}
+    problems = [*model.obstacles(), *refused.values()]
     everything = tuple(patch for group in patches.values() for patch in group)
     area = volume = gap = nan
-    if not any(r.problem for r in reports):
+    if not refused:
         area, gap = sum(r.area for r in reports), _largest_gap(model, patches)
     if not problems:
         try:
@@ -82,29 +112,65 @@ def inspect_cad(path: str | Path, *, names: str = "names", time_limit: float = 6
         except CadError as error:
             problems.append(str(error))
     return CadReport(
-        model.file, model.unit.name, tuple(reports), area, volume, _bounds(model, everything), gap,
-        tuple(problems), (*model.warnings, *model.kernel.log),
-    )  # fmt: skip
+        file=model.file,
+        unit=model.unit.name,
+        faces=tuple(reports),
+        area=area,
+        volume=volume,
+        exact_area=sum(r.exact_area for r in reports),
+        exact_volume=_exact_volume(model),
+        bounds=_bounds(model, everything),
+        gap=gap,
+        problems=tuple(problems),
+        remarks=(*model.warnings, *model.kernel.log),
+        defects=refused | model.defective_faces(),
+    )
 
 
-def _examined(model: CadModel, face: BrepFace) -> tuple[FaceReport, list[Patch]]:
-    name = model.names.get(face.number, "")
+def _examined(model: CadModel, face: BrepFace, tolerance: float) -> tuple[FaceReport, list[Patch]]:
     mark = model.marks.get(face.number)
-    says = (mark.layer, mark.colour) if mark else ("", "")
-    kind = face.surface.kind
+    report = FaceReport(
+        number=face.number,
+        name=model.names.get(face.number, ""),
+        kind=face.surface.kind,
+        degrees=(),
+        patches=0,
+        area=nan,
+        centre=tuple(model.centre(face).tolist()),
+        layer=mark.layer if mark else "",
+        colour=mark.colour if mark else "",
+        exact_area=_exact(lambda: face_area(face)) / model.unit.millimetres**2,
+    )
     try:
-        patches = model.patches(face)
+        patches, deviation = model.patches(face, tolerance)
+    except CadError as error:
+        return replace(report, problem=f"{model.file}: {error}"), []
+    points, weights = Boundary(tuple(patches)).quadrature()
+    surfaces = [patch.surface for patch in patches]
+    return replace(
+        report,
+        degrees=tuple(max(d) for d in zip(*(s.degrees for s in surfaces), strict=True)),
+        patches=len(patches),
+        area=_converged(Boundary(tuple(patches)).area),
+        centre=tuple((points.position @ weights / weights.sum()).tolist()),
+        deviation=deviation,
+        angle=float(np.degrees(min(worst_angle(surface) for surface in surfaces))),
+        jacobian_ratio=min(jacobian_ratio(surface) for surface in surfaces),
+    ), patches
+
+
+def _exact(integral: Callable[[], float]) -> float:
+    """nan where edges lack what the integral needs."""
+    try:
+        return integral()
     except CadError:
-        problem = f"{model.file}: {model.label(face)} cannot become patches: {REMEDY}"
-        centre = tuple(model.centre(face).tolist())
-        return FaceReport(face.number, name, kind, (), 0, nan, centre, problem, *says), []
-    group = Boundary(tuple(patches))
-    area = _converged(group.area)
-    points, weights = group.quadrature()
-    centre = tuple((points.position @ weights / weights.sum()).tolist())
-    degrees = tuple(max(d) for d in zip(*(p.surface.degrees for p in patches), strict=True))
-    counts = face.number, name, kind, degrees, len(patches), area, centre
-    return FaceReport(*counts, "", *says), patches
+        return nan
+
+
+def _exact_volume(model: CadModel) -> float:
+    centre = np.concatenate([edge_points(face) for face in model.faces]).mean(axis=0)
+    volume = _exact(lambda: sum(f.outward * face_flux(f, centre) for f in model.faces))
+    return abs(volume) / model.unit.millimetres**3
 
 
 def _bounds(model: CadModel, patches: tuple[Patch, ...]) -> Array:
