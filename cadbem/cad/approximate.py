@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import lru_cache
+from functools import cache
 
 import numpy as np
 
@@ -113,14 +113,15 @@ def _knots(degree: int, spans: int) -> Array:
     return np.concatenate([ends[0], np.linspace(0, 1, spans + 1), ends[1]])
 
 
-@lru_cache(maxsize=None)
+@cache
 def _nodes(degree: int, spans: int) -> tuple[Array, Array]:
     """Interpolation points, and the inverse of the spline's values there: Chebyshev-Lobatto
     points for one span, averages of knots for several."""
-    nodes = greville(degree, _knots(degree, spans))
+    nodes: Array = greville(degree, _knots(degree, spans))
     if spans == 1:
         nodes = 0.5 - 0.5 * np.cos(np.pi * np.arange(degree + 1) / degree)
-    return nodes, np.linalg.inv(_matrix(degree, spans, nodes))
+    inverse = np.asarray(np.linalg.inv(_matrix(degree, spans, nodes)), dtype=np.float64)
+    return nodes, inverse
 
 
 def _matrix(degree: int, spans: int, at: Array) -> Array:

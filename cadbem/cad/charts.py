@@ -22,9 +22,9 @@ from cadbem.cad.coons import coons_patch, joined
 from cadbem.cad.evaluate import KernelSurface
 from cadbem.cad.face_geometry import FLAT, is_planar, located, parameter_box, plane_of
 from cadbem.cad.parts import Part, Side, along
-from cadbem.cad.region import Loop, Region, merged, region_of
+from cadbem.cad.region import Loop, Region, divided_along, merged, region_of
 from cadbem.cad.strokes import Stroke, line
-from cadbem.cad.surfaces import surface_nurbs
+from cadbem.cad.surfaces import rough_lines, surface_nurbs
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
@@ -38,7 +38,7 @@ Piece = tuple[Nurbs, float]  # a patch and its largest deviation from the face
 class PlaneChart:
     """Points O + x X + y Y of a plane; ∂u × ∂v of the face's surface is along X × Y."""
 
-    region: Region
+    regions: tuple[Region, ...]
     origin: Array
     axes: Array  # (2, 3)
 
@@ -52,7 +52,7 @@ class PlaneChart:
 class SurfaceChart:
     """Parameters (u, v) times `scale`."""
 
-    region: Region
+    regions: tuple[Region, ...]
     face: BrepFace
     surface: KernelSurface
     scale: Array  # (2,)
@@ -115,7 +115,7 @@ def _plane_chart(face: BrepFace) -> PlaneChart | None:
         ]  # fmt: skip
         loops.append(strokes)
     region = _region(loops)
-    return PlaneChart(region, origin, axes) if region else None
+    return PlaneChart((region,), origin, axes) if region else None
 
 
 def _surface_chart(face: BrepFace) -> SurfaceChart | None:
@@ -131,7 +131,12 @@ def _surface_chart(face: BrepFace) -> SurfaceChart | None:
         for uses in face.loops
     ]
     region = _region(loops)
-    return SurfaceChart(region, face, surface, scale) if region else None
+    if region is None:
+        return None
+    regions = [region]
+    for axis, value in rough_lines(face.surface, box):
+        regions = [part for r in regions for part in divided_along(r, axis, value * scale[axis])]
+    return SurfaceChart(tuple(regions), face, surface, scale)
 
 
 def curve_of(use: EdgeUse) -> CurveRecord:

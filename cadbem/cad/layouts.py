@@ -24,6 +24,7 @@ from cadbem.cad.face_geometry import (
 )
 from cadbem.cad.flux import face_area
 from cadbem.cad.partition import divided
+from cadbem.cad.parts import Part
 from cadbem.cad.quality import worst_angle
 from cadbem.cad.surfaces import smooth_pieces, surface_nurbs
 from cadbem.errors import CadError
@@ -89,9 +90,12 @@ def _parts(face: BrepFace, tolerance: float) -> list[tuple[Nurbs, float]]:
     chart = chart_of(face)
     if chart is None:
         raise CadError("its edges do not close in its surface's parameters; export it again")
-    parts = divided(chart.region)
-    if parts is None:
-        raise CadError(f"no way was found to divide it into well-shaped patches; {REMEDY}")
+    parts: list[Part] = []
+    for region in chart.regions:
+        found = divided(region)
+        if found is None:
+            raise CadError(f"no way was found to divide it into well-shaped patches; {REMEDY}")
+        parts += found
     allowed = tolerance * size_of(face)
     return [piece for part in parts for piece in chart.pieces(part, allowed)]
 

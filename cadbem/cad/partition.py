@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.cad.cuts import best_cuts
-from cadbem.cad.parts import POOR, Part, four_sided
+from cadbem.cad.parts import POOR, Part, collapsed, four_sided
 from cadbem.cad.patterns import patterns
 from cadbem.cad.region import Region
 
@@ -45,7 +45,7 @@ def _divided(region: Region, search: _Search, most: int) -> list[Part]:
     """The best way found; [] if there is none within `most` parts."""
     best: list[Part] = []
     if len(region.loops) == 1:
-        whole = four_sided(region.loops[0])
+        whole = four_sided(region.loops[0]) or collapsed(region.loops[0])
         best = [whole] if whole else []
     if not _settled(best, region):
         for pattern in patterns(region):

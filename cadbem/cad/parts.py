@@ -8,10 +8,12 @@ from itertools import pairwise
 import numpy as np
 
 from cadbem.cad.region import Loop, interior_angles
-from cadbem.cad.strokes import Stroke
+from cadbem.cad.strokes import Stroke, line
 from cadbem.spline.basis import Array
 
 POOR = 0.12  # least quality of a part that is used
+CUSP = np.radians(15)  # corner in which a patch is collapsed
+COLLAPSED = 0.3  # largest quality of such a patch: others are preferred
 CORNER, STRAIGHT = np.radians(150), np.radians(40)  # largest corner; largest kink within a side
 
 Side = tuple[Stroke, ...]
@@ -36,7 +38,7 @@ class Part:
 
 def joints(side: Side) -> Array:
     """Shares of a side's length at which its strokes, or pieces of arcs, meet."""
-    lengths = np.array([stroke.length for stroke in side])
+    lengths = np.maximum([stroke.length for stroke in side], 1e-300)
     starts = np.concatenate([[0.0], np.cumsum(lengths)[:-1]])
     at = [
         start + length * np.arange(pieces) / pieces
@@ -60,6 +62,25 @@ def four_sided(loop: Loop) -> Part | None:
     return part_of(sides)
 
 
+def collapsed(loop: Loop) -> Part | None:
+    """A loop with three corners as one part whose fourth side is a point, if a corner is so sharp
+    that no four-sided part fits into it."""
+    angles = interior_angles(loop)
+    corners = np.flatnonzero(angles < CORNER)
+    others = np.delete(angles, corners)
+    if len(corners) != 3 or (np.abs(others - np.pi) > STRAIGHT).any():
+        return None
+    sharpest = int(np.argmin(angles[corners]))
+    if angles[corners[sharpest]] > CUSP:
+        return None
+    first, second, third = np.roll(corners, -sharpest).tolist()
+    ends = [first, second, third, first + len(loop)]
+    ends = np.unwrap(ends, period=len(loop)).astype(int).tolist()
+    sides = [tuple(loop[k % len(loop)] for k in range(a, b)) for a, b in pairwise(ends)]
+    point = sides[0][0].samples[:, 0]
+    return part_of([(line(point, point),), *sides])
+
+
 def part_of(sides: list[Side]) -> Part | None:
     """A part, or None if its Coons map folds."""
     quality = part_quality(sides)
@@ -68,7 +89,7 @@ def part_of(sides: list[Side]) -> Part | None:
 
 def part_quality(sides: list[Side]) -> float:
     """The smaller of the least sine between parameter lines and four times the ratio of least to
-    largest area element of the Coons map."""
+    largest area element of the Coons map; of the sine alone and `COLLAPSED` if a side is a point."""
     points = coons_points([along(side, np.linspace(0, 1, 11)) for side in sides])
     forth = np.diff(points, axis=1)
     up = np.diff(points, axis=2)
@@ -78,8 +99,11 @@ def part_quality(sides: list[Side]) -> float:
         for b in (up[:, :-1], up[:, 1:]):
             area = a[0] * b[1] - a[1] * b[0]
             lengths = np.hypot(*a) * np.hypot(*b)
-            quality = min(quality, float((area / np.maximum(lengths, 1e-300)).min()))
+            there = lengths > 1e-12 * lengths.max()
+            quality = min(quality, float((area[there] / lengths[there]).min(initial=1.0)))
             elements.append(area)
+    if any(len(side) == 1 and side[0].length == 0 for side in sides):
+        return min(quality, COLLAPSED)
     largest = float(np.max(elements))
     return min(quality, 4 * float(np.min(elements)) / largest) if largest > 0 else -1.0
 
@@ -87,7 +111,7 @@ def part_quality(sides: list[Side]) -> float:
 def along(side: Side, shares: Array) -> Array:
     """Points (2, n) at shares (n,) of a side's length."""
     ends = np.concatenate([[0.0], np.cumsum([stroke.length for stroke in side])])
-    ends /= ends[-1]
+    ends = ends / ends[-1] if ends[-1] > 0 else np.array([0.0, 1.0])  # a side that is a point
     index = np.clip(np.searchsorted(ends, shares, side="right") - 1, 0, len(side) - 1)
     points = np.empty((2, len(shares)))
     for k, stroke in enumerate(side):

@@ -41,5 +41,6 @@ def _elements(surface: Nurbs) -> tuple[Array, Array, float]:
     along_u, along_v = tangents[1, 0], tangents[0, 1]
     area = np.linalg.norm(np.cross(along_u, along_v, axis=0), axis=0)
     lengths = np.linalg.norm(along_u, axis=0) * np.linalg.norm(along_v, axis=0)
+    extent = float(np.ptp(surface.points.reshape(-1, 3), axis=0).max())
     scale = np.array([b - a for a, b in surface.domain]).prod()
-    return area, lengths, float(np.ptp(surface.points.reshape(-1, 3), axis=0).max() / np.sqrt(scale))
+    return area, lengths, extent / float(np.sqrt(scale))

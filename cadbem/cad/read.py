@@ -46,8 +46,8 @@ def read_cad(
 
     Faces that fill a rectangle of their surface's parameters, and plane faces, become exact
     patches; other trimmed faces become splines that deviate from them by less than `tolerance`
-    times the face's size. `time_limit` in seconds bounds the CAD kernel's work. Warns with CadWarning of what is unusual
-    or had to be assumed.
+    times the face's size. `time_limit` in seconds bounds the CAD kernel's work. Warns with
+    CadWarning of what is unusual or had to be assumed.
 
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
     exactly one volume, and for faces that no way of laying patches covers.

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from cadbem.cad.strokes import Stroke, line, turns
 from cadbem.spline.basis import Array
@@ -159,6 +161,36 @@ def _shares(points: Array, segments: Array) -> Array:
     return np.clip(product / np.maximum((step**2).sum(axis=0), 1e-300), 0, 1)
 
 
+def divided_along(region: Region, axis: int, value: float) -> list[Region]:
+    """The region cut along the line on which a coordinate has a value, wherever that is inside."""
+    found = sorted(_crossings(region, axis, value), key=lambda a: region.point(a)[1 - axis])
+    for first, last in pairwise(found):
+        middle = 0.5 * (region.point(first) + region.point(last))
+        clear = float(distance(middle[:, None], region.segments).min()) > 1e-6 * region.size
+        if clear and sum(_winding(middle, loop) for loop in region.loops) > np.pi:
+            parts = region.cut(first, last)
+            return [piece for part in parts for piece in divided_along(part, axis, value)]
+    return [region]
+
+
+def _crossings(region: Region, axis: int, value: float) -> list[Anchor]:
+    """Where the border passes a line on which a coordinate has a value."""
+    tiny = 1e-9 * region.size
+    anchors = []
+    for k, stroke in enumerate(region.strokes):
+        off = stroke.samples[axis] - value
+        if abs(off[0]) <= tiny:
+            anchors.append(Anchor(k, 0.0))
+        off = np.where(np.abs(off) <= tiny, 0.0, off)
+        for i in np.flatnonzero(off[:-1] * off[1:] < 0):
+            low, high = stroke.fractions[i : i + 2]
+            at = brentq(lambda f, s=stroke: s.points(np.array([f]))[axis, 0] - value, low, high)
+            anchors.append(Anchor(k, float(at)))
+        for i in np.flatnonzero(off[1:-1] == 0):
+            anchors.append(Anchor(k, float(stroke.fractions[i + 1])))
+    return anchors
+
+
 def region_of(loops: list[Loop]) -> Region | None:
     """Loops in any direction and order as a region; None if they enclose nothing."""
     turned = []
@@ -199,8 +231,13 @@ def merged(strokes: Loop, closed: bool = True) -> Loop:
 
 def is_inside(point: Array, loop: Loop) -> bool:
     """Whether the polygon through the samples winds round the point."""
+    return abs(_winding(point, loop)) > np.pi
+
+
+def _winding(point: Array, loop: Loop) -> float:
+    """Angle under which the loop is seen, 2 π if it runs round the point once."""
     points = np.concatenate([stroke.samples for stroke in loop], axis=1) - point[:, None]
-    return bool(abs(turns(points).sum()) > np.pi)
+    return float(turns(points).sum())
 
 
 def _arranged(loops: list[Loop]) -> Region:
@@ -213,7 +250,7 @@ def _divided(pair: list[Loop], others: list[Loop]) -> tuple[Region, ...]:
     """Two loops made by a cut, and the loops that it did not touch, shared among them."""
     pair.sort(key=loop_area)
     pocket, rest = pair[1], [pair[0]]
-    kept = []
+    kept: list[Loop] = []
     for loop in others:
         outer = loop_area(loop) > 0  # then a hole was cut, and its pocket lies outside of it
         inside = not outer and is_inside(loop[0].samples[:, 0], pocket)

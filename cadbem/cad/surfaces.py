@@ -22,6 +22,7 @@ from cadbem.cad.brep_geometry import (
     REVOLUTION,
     SPHERE,
     TORUS,
+    SplineRecord,
     SurfaceRecord,
 )
 from cadbem.cad.curves import (
@@ -113,6 +114,33 @@ def natural_domain(record: SurfaceRecord) -> tuple[Interval, Interval]:
         return endless, endless
     along = spline_domain(record.curve.spline, 0)
     return (along, endless) if record.kind == EXTRUSION else (endless, along)
+
+
+def rough_lines(record: SurfaceRecord, box: tuple[Interval, Interval]) -> list[tuple[int, float]]:
+    """Lines (axis, parameter) inside a rectangle across which second derivatives may jump, where
+    programs join the pieces of spline surfaces."""
+    lines = []
+    for axis, spline, along in _splines(record):
+        values, counts = multiplicities(spline.knots[along])
+        rough = values[counts >= max(spline.degrees[along] - 1, 1)]
+        if spline.periodic[along]:
+            period = spline.knots[along][-1] - spline.knots[along][0]
+            rough = np.unique(np.concatenate([rough + k * period for k in (-1, 0, 1)]))
+        low, high = box[axis]
+        margin = 1e-6 * (high - low)
+        lines += [(axis, float(x)) for x in rough if low + margin < x < high - margin]
+    return lines
+
+
+def _splines(record: SurfaceRecord) -> list[tuple[int, SplineRecord, int]]:
+    """Spline, and its own axis, along each axis of a surface that has one."""
+    while record.basis is not None:
+        record = record.basis
+    if record.spline is not None:
+        return [(0, record.spline, 0), (1, record.spline, 1)]
+    if record.curve is None or record.curve.spline is None:
+        return []
+    return [(0 if record.kind == EXTRUSION else 1, record.curve.spline, 0)]
 
 
 def smooth_pieces(surface: Nurbs) -> list[Nurbs]:
