@@ -17,9 +17,9 @@ from cadbem.cad.face_geometry import edge_points, points_on
 from cadbem.cad.flux import face_area, face_flux
 from cadbem.cad.gaps import largest_distance
 from cadbem.cad.layouts import TOLERANCE
-from cadbem.cad.model import CadModel, open_model
+from cadbem.cad.model import CadModel
 from cadbem.cad.quality import jacobian_ratio, worst_angle
-from cadbem.cad.read import oriented
+from cadbem.cad.survey import CadSurvey, survey_cad
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
@@ -93,24 +93,17 @@ def inspect_cad(
 
     Raises CadError only if the file cannot be read at all or has no faces.
     """
-    model = open_model(path, time_limit, names, fluid)
-    patches: dict[int, list[Patch]] = {}
-    reports = []
-    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
-        report, patches[face.number] = _examined(model, face, tolerance)
-        reports.append(report)
+    survey = survey_cad(path, fluid=fluid, names=names, tolerance=tolerance, time_limit=time_limit)
+    model = survey.model
+    label = f"{model.file}: measures"
+    faces = tqdm(model.faces, desc=label, delay=2, leave=False, disable=None)
+    reports = [_examined(survey, face) for face in faces]
     refused = {r.number: r.problem for r in reports if r.problem}
-    problems = [*model.obstacles(), *refused.values()]
-    everything = tuple(patch for group in patches.values() for patch in group)
     area = volume = gap = nan
     if not refused:
-        area, gap = sum(r.area for r in reports), _largest_gap(model, patches)
-    if not problems:
-        try:
-            boundary = oriented(Boundary(everything, model.file, model.unit.name))
-            volume = _converged(boundary.volume)
-        except CadError as error:
-            problems.append(str(error))
+        area, gap = sum(r.area for r in reports), _largest_gap(model, survey.patches)
+    if not survey.problems:
+        volume = _converged(survey.boundary.volume)
     return CadReport(
         file=model.file,
         unit=model.unit.name,
@@ -119,16 +112,16 @@ def inspect_cad(
         volume=volume,
         exact_area=sum(r.exact_area for r in reports),
         exact_volume=_exact_volume(model),
-        bounds=_bounds(model, everything),
+        bounds=_bounds(model, survey.boundary.patches),
         gap=gap,
-        problems=tuple(problems),
+        problems=survey.problems,
         remarks=(*model.warnings, *model.kernel.log),
         defects=refused | model.defective_faces(),
     )
 
 
-def _examined(model: CadModel, face: BrepFace, tolerance: float) -> tuple[FaceReport, list[Patch]]:
-    mark = model.marks.get(face.number)
+def _examined(survey: CadSurvey, face: BrepFace) -> FaceReport:
+    model, mark = survey.model, survey.model.marks.get(face.number)
     report = FaceReport(
         number=face.number,
         name=model.names.get(face.number, ""),
@@ -141,10 +134,9 @@ def _examined(model: CadModel, face: BrepFace, tolerance: float) -> tuple[FaceRe
         colour=mark.colour if mark else "",
         exact_area=_exact(lambda: face_area(face)) / model.unit.millimetres**2,
     )
-    try:
-        patches, deviation = model.patches(face, tolerance)
-    except CadError as error:
-        return replace(report, problem=f"{model.file}: {error}"), []
+    if face.number in survey.refused:
+        return replace(report, problem=f"{model.file}: {survey.refused[face.number]}")
+    patches = survey.patches[face.number]
     points, weights = Boundary(tuple(patches)).quadrature()
     surfaces = [patch.surface for patch in patches]
     return replace(
@@ -153,10 +145,10 @@ def _examined(model: CadModel, face: BrepFace, tolerance: float) -> tuple[FaceRe
         patches=len(patches),
         area=_converged(Boundary(tuple(patches)).area),
         centre=tuple((points.position @ weights / weights.sum()).tolist()),
-        deviation=deviation,
+        deviation=survey.deviations[face.number],
         angle=float(np.degrees(min(worst_angle(surface) for surface in surfaces))),
         jacobian_ratio=min(jacobian_ratio(surface) for surface in surfaces),
-    ), patches
+    )
 
 
 def _exact(integral: Callable[[], float]) -> float:

@@ -22,11 +22,14 @@ from cadbem.post.style import (
     FONT,
     INK,
     SMALL,
+    WALL,
     colours_of,
     scaled,
     size_label,
 )
 from cadbem.spline.basis import Array
+
+FAULT = "#6b0f10"  # lines on red faces
 
 
 class CollocatedSpace(Protocol):
@@ -44,32 +47,35 @@ def draw_boundary(
     path: str | Path,
     *,
     defects: Mapping[int, Sequence[Array]] | None = None,
+    skins: Mapping[int, Array] | None = None,
     size: Size = (1800, 1100),
 ) -> Path:
     """Picture of the faces in the colours of their names, from two opposite corners.
 
     Every CAD face carries its number where it can be seen; those that neither view shows are
-    listed.  ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red.
+    listed.  ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red and
+    the others grey.  Those without patches are drawn by ``skins``, triangles (M, 3 corners, 3) by
+    number, or by their polylines alone.
     Raises ``DisplayError`` where pictures cannot be drawn.
     """
-    surface = tessellated(boundary, density=16)
+    surface = _surface(boundary, skins or {})
     lines = {face: list(curves) for face, curves in (defects or {}).items()}
     extent = np.concatenate([surface.points.T, *sum(lines.values(), [])], axis=1)
     views = (corner_view(extent), back_view(extent))
-    seen: set[int] = set(lines)
+    seen: set[int] = set()
     with sheet(path, size, 2, views[0].aspect(extent)) as plotter:
         for i, view in enumerate(views):
             panel(plotter, i)
             _add_faces(plotter, boundary, surface, list(lines))
             lift = lifted(view, extent)
             add_lines(plotter, edge_lines(boundary, 16), lift)
-            _add_defects(plotter, lines, 2 * lift)
-            seen |= _add_numbers(plotter, surface, view)
+            _add_defects(plotter, surface, lines, 2 * lift)
+            seen |= _add_numbers(plotter, surface, view, list(lines))
             add_axes(plotter)
             aim(plotter, view, extent)
-        hidden = sorted(set(surface.cell_data["face"].tolist()) - seen - {0})
+        hidden = sorted(_faces(surface) - seen - {0})
         note = size_label(extent, boundary.unit) + _hidden_note(hidden)
-        draw_legend(plotter, _legend(boundary, bool(lines)), note)
+        draw_legend(plotter, _legend(boundary, list(lines)), note)
     return Path(path)
 
 
@@ -106,8 +112,28 @@ def _point_size(count: int) -> float:
     return float(np.clip(400 / np.sqrt(count), 4, 12))
 
 
+def _surface(boundary: Boundary, skins: Mapping[int, Array]) -> Any:
+    """Patches and skins as one mesh with the cell data ``face`` and ``name``, -1 on skins."""
+    pyvista = load_pyvista()
+    meshes = [tessellated(boundary, density=16)] if boundary.patches else []
+    for face, corners in skins.items():
+        across, along = np.diff(corners, axis=1).transpose(1, 0, 2)
+        normals = np.cross(across, along)
+        lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+        mesh = pyvista.PolyData.from_regular_faces(
+            corners.reshape(-1, 3), np.arange(corners.size // 3).reshape(-1, 3)
+        )
+        mesh.point_data["Normals"] = np.repeat(normals / np.maximum(lengths, 1e-300), 3, axis=0)
+        mesh.cell_data["face"] = np.full(len(corners), face)
+        mesh.cell_data["name"] = np.full(len(corners), -1)
+        meshes.append(mesh)
+    return pyvista.merge(meshes, merge_points=False) if meshes else pyvista.PolyData()
+
+
 def _add_faces(plotter: Any, boundary: Boundary, surface: Any, faulty: list[int]) -> None:
-    colours = colours_of(boundary.names)
+    if not surface.n_cells:
+        return
+    colours = _colours(boundary, faulty)
     names, faces = surface.cell_data["name"], surface.cell_data["face"]
     broken = np.isin(faces, faulty)
     for i, name in enumerate(boundary.names):
@@ -121,22 +147,31 @@ def _add_part(plotter: Any, surface: Any, mask: NDArray[np.bool_], colour: str) 
         plotter.add_mesh(part, color=colour, ambient=0.5, diffuse=0.5, smooth_shading=True)
 
 
-def _add_defects(plotter: Any, lines: Mapping[int, list[Array]], lift: Array) -> None:
-    pyvista = load_pyvista()
+def _add_defects(plotter: Any, surface: Any, lines: Mapping[int, list[Array]], lift: Array) -> None:
+    """Thick lines, dark where the face is red as well; numbers of faces without a surface."""
+    pyvista, painted = load_pyvista(), _faces(surface)
     for face, curves in lines.items():
+        colour = FAULT if face in painted else DEFECT
         for curve in curves:
             mesh = pyvista.MultipleLines(curve.T + lift)
-            plotter.add_mesh(mesh, color=DEFECT, line_width=5)
-        middle = np.concatenate(curves, axis=1).mean(axis=1)
-        _add_labels(plotter, middle[:, None], [face], DEFECT)
+            plotter.add_mesh(mesh, color=colour, line_width=5, lighting=False)
+        if face not in painted:
+            middle = np.concatenate(curves, axis=1).mean(axis=1)
+            _add_labels(plotter, middle[:, None], [face], DEFECT)
 
 
-def _add_numbers(plotter: Any, surface: Any, view: View) -> set[int]:
+def _add_numbers(plotter: Any, surface: Any, view: View, faulty: list[int]) -> set[int]:
     """Numbers on the faces that the view shows, near their middles; returns those faces."""
     spots = visible_spots(surface, view)
-    if spots:
-        _add_labels(plotter, np.stack(list(spots.values()), axis=1), list(spots), INK)
+    for colour, wanted in ((DEFECT, spots.keys() & set(faulty)), (INK, spots.keys() - faulty)):
+        if wanted:
+            places = np.stack([spots[face] for face in wanted], axis=1)
+            _add_labels(plotter, places, list(wanted), colour)
     return set(spots)
+
+
+def _faces(surface: Any) -> set[int]:
+    return set(surface.cell_data["face"].tolist()) if surface.n_cells else set()
 
 
 def _add_labels(plotter: Any, positions: Array, labels: list[int], colour: str) -> None:
@@ -159,6 +194,8 @@ def _add_labels(plotter: Any, positions: Array, labels: list[int], colour: str) 
 
 def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, Array]:
     """For each CAD face a point (3,) on it that the viewer sees, nearest to the face's middle."""
+    if not surface.n_cells:
+        return {}
     triangles = surface.triangulate()
     reach = 2 * surface.length
     centres = surface.cell_centers().points
@@ -168,7 +205,7 @@ def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, A
         ).cell_data["Normals"]
     )
     spots: dict[int, Array] = {}
-    for face in np.unique(surface.cell_data["face"]):
+    for face in sorted(_faces(surface)):
         own = np.flatnonzero(surface.cell_data["face"] == face)
         middle = centres[own].mean(axis=0)
         facing = own[outward[own] @ view.toward > 0.15]
@@ -181,8 +218,17 @@ def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, A
     return spots
 
 
-def _legend(boundary: Boundary, faulty: bool) -> dict[str, str]:
-    return colours_of(boundary.names) | ({"cannot be used": DEFECT} if faulty else {})
+def _colours(boundary: Boundary, faulty: list[int]) -> dict[str, str]:
+    """Colours of names; next to defective faces all others are grey."""
+    return dict.fromkeys(boundary.names, WALL) if faulty else colours_of(boundary.names)
+
+
+def _legend(boundary: Boundary, faulty: list[int]) -> dict[str, str]:
+    if not faulty:
+        return colours_of(boundary.names)
+    sound = {patch.face for patch in boundary.patches} - set(faulty)
+    others = {f"sound ({len(sound)})": WALL} if sound else {}
+    return {f"defective ({len(faulty)})": DEFECT} | others
 
 
 def _hidden_note(faces: list[int]) -> str:
