@@ -8,7 +8,7 @@ splines through points of the surface, within a tolerance.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import pairwise
@@ -22,6 +22,7 @@ from cadbem.cad.coons import coons_patch, joined
 from cadbem.cad.evaluate import KernelSurface
 from cadbem.cad.face_geometry import FLAT, is_planar, located, parameter_box, plane_of
 from cadbem.cad.parts import Part, Side, along
+from cadbem.cad.quality import least_element
 from cadbem.cad.region import Loop, Region, divided_along, merged, region_of
 from cadbem.cad.strokes import Stroke, line
 from cadbem.cad.surfaces import rough_lines, surface_nurbs
@@ -32,20 +33,35 @@ TINY = 1e-9  # length of a stroke, per size of the face, that is left out
 JOINT = 1e-3  # distance between strokes that follow each other, per size of the face
 
 Piece = tuple[Nurbs, float]  # a patch and its largest deviation from the face
+Lift = Callable[[Array], Array]  # (2, n) -> (3, n)
 
 
 @dataclass(frozen=True, eq=False)
 class PlaneChart:
     """Points O + x X + y Y of a plane; ∂u × ∂v of the face's surface is along X × Y."""
 
+    # edges stay exact unless their parameters run too unevenly to be blended
+
     regions: tuple[Region, ...]
     origin: Array
     axes: Array  # (2, 3)
 
     def pieces(self, part: Part, tolerance: float) -> Iterator[Piece]:
-        """The part's patch; raises ValueError if weights vanish inside."""
-        sides = [reduce(joined, [stroke.nurbs() for stroke in side]) for side in part.sides]
-        yield coons_patch(sides).transformed(self.axes.T, self.origin), 0.0
+        """The part's patch; where blending its exact sides would fold it, patches within the
+        tolerance."""
+        try:
+            sides = [reduce(joined, [stroke.nurbs() for stroke in side]) for side in part.sides]
+            patch = coons_patch(sides)
+            if least_element(patch) > 0:
+                yield patch.transformed(self.axes.T, self.origin), 0.0
+                return
+        except ValueError:  # weights vanish inside
+            pass
+        yield from _blended(part, self.points, tolerance)
+
+    def points(self, flat: Array) -> Array:
+        """Points (3, n) of the plane's points (2, n)."""
+        return self.axes.T @ flat + self.origin[:, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,11 +79,11 @@ class SurfaceChart:
         if box is not None:
             yield located(surface_nurbs(self.face.surface, *box), self.face), 0.0
             return
-        breaks = [_breaks(part.sides[0], part.sides[2]), _breaks(part.sides[1], part.sides[3])]
-        blend = _Blend(part.sides, self)
-        for u in pairwise(breaks[0]):
-            for v in pairwise(breaks[1]):
-                yield from approximated(blend, tolerance, (*u, *v))
+        yield from _blended(part, self.points, tolerance)
+
+    def points(self, flat: Array) -> Array:
+        """Points (3, n) of the surface at scaled parameters (2, n)."""
+        return self.surface.points(*(flat / self.scale[:, None]))
 
     def _rectangle(self, part: Part) -> tuple | None:
         """The part's rectangle of parameters, if it is one."""
@@ -83,12 +99,21 @@ class SurfaceChart:
         return tuple(map(tuple, np.where(close, limits, ends).T.tolist()))
 
 
+def _blended(part: Part, lift: Lift, tolerance: float) -> Iterator[Piece]:
+    """Patches through points of the part, cut where strokes of its sides meet."""
+    breaks = [_breaks(part.sides[0], part.sides[2]), _breaks(part.sides[1], part.sides[3])]
+    blend = _Blend(part.sides, lift)
+    for u in pairwise(breaks[0]):
+        for v in pairwise(breaks[1]):
+            yield from approximated(blend, tolerance, (*u, *v))
+
+
 @dataclass(frozen=True, eq=False)
 class _Blend:
     """The map (ξ, η) -> face by blending the sides in the plane."""
 
     sides: tuple[Side, Side, Side, Side]
-    chart: SurfaceChart
+    lift: Lift
 
     def __call__(self, xi: Array, eta: Array) -> Array:
         south, north = along(self.sides[0], xi), along(self.sides[2], 1 - xi)
@@ -96,7 +121,7 @@ class _Blend:
         a, b, c, d = (side[0].samples[:, :1] for side in self.sides)
         corners = (1 - xi) * (1 - eta) * a + xi * (1 - eta) * b + xi * eta * c + (1 - xi) * eta * d
         flat = (1 - eta) * south + eta * north + (1 - xi) * west + xi * east - corners
-        return self.chart.surface.points(*(flat / self.chart.scale[:, None]))
+        return self.lift(flat)
 
 
 def chart_of(face: BrepFace) -> PlaneChart | SurfaceChart | None:

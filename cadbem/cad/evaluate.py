@@ -27,7 +27,7 @@ from cadbem.cad.brep_geometry import (
     SplineRecord,
     SurfaceRecord,
 )
-from cadbem.cad.curves import Interval, spline_nurbs
+from cadbem.cad.curves import Interval, spline_domain, spline_nurbs
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -108,7 +108,10 @@ class KernelSurface:
         while record.basis is not None:
             record = record.basis
         assert record.spline is not None
-        return spline_nurbs(record.spline, (self.u, self.v))
+        limits = [spline_domain(record.spline, axis) for axis in (0, 1)]
+        return spline_nurbs(
+            record.spline, (_widened(self.u, limits[0]), _widened(self.v, limits[1]))
+        )
 
     @cached_property
     def _profile(self) -> Nurbs | None:
@@ -117,7 +120,9 @@ class KernelSurface:
             record = record.basis
         spline: SplineRecord | None = record.curve.spline if record.curve else None
         along = self.u if record.kind == EXTRUSION else self.v
-        return spline_nurbs(spline, (along,)) if spline else None
+        if spline is None:
+            return None
+        return spline_nurbs(spline, (_widened(along, spline_domain(spline, 0)),))
 
     def _offset(self, basis: SurfaceRecord, distance: float, u: Array, v: Array) -> Frame:
         """Basis + distance × its unit normal; tangents by central differences of the normal."""
@@ -136,6 +141,12 @@ class KernelSurface:
         _, along_u, along_v = self._local(basis, u, v)
         normal = np.cross(along_u, along_v, axis=0)
         return normal / np.linalg.norm(normal, axis=0)
+
+
+def _widened(interval: Interval, limits: Interval) -> Interval:
+    """A little more, within the limits: edges bulge between the points that gave the interval."""
+    margin = 0.02 * (interval[1] - interval[0])
+    return max(interval[0] - margin, limits[0]), min(interval[1] + margin, limits[1])
 
 
 def _quadric(record: SurfaceRecord, u: Array, v: Array) -> Frame:

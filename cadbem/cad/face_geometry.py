@@ -35,6 +35,12 @@ def edge_points(face: BrepFace) -> Array:
     return np.concatenate(points) if points else np.zeros((0, 3))
 
 
+def edge_length(face: BrepFace) -> float:
+    """Length of the face's edges, by chords."""
+    uses = [use for loop in face.loops for use in loop if use.curve is not None]
+    return float(sum(np.linalg.norm(np.diff(points_on(u), axis=0), axis=1).sum() for u in uses))
+
+
 def points_on(use: EdgeUse) -> Array:
     """Points (n, 3) along an edge that is not a point."""
     try:

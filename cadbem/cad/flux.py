@@ -59,7 +59,8 @@ def _edge_integrals(surface: KernelSurface, curve: Nurbs, centre: Array) -> Arra
     derivatives = curve.derivatives(1, t)
     (u, v), dv = derivatives[(0,)], derivatives[(1,)][1]
     breaks = _pieces(_breaks(surface.record, 0, surface.u))
-    ends = np.minimum(breaks, np.maximum(u, surface.u[0])[:, None])
+    ends = np.minimum(breaks, u[:, None])
+    ends[:, 0], ends[:, -1] = breaks[0], u  # edges may bulge out of the rectangle
     lengths = np.diff(ends, axis=1)
     across = ends[:, :-1, None] + lengths[:, :, None] * nodes
     along = np.broadcast_to(v[:, None, None], across.shape)

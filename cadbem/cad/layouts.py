@@ -16,12 +16,14 @@ from cadbem.cad.brep import BrepFace
 from cadbem.cad.charts import chart_of
 from cadbem.cad.face_geometry import (
     FLAT,
+    edge_length,
     edge_points,
     located,
     parameter_box,
     parameter_curves,
     sampled,
 )
+from cadbem.cad.fit import misfit
 from cadbem.cad.flux import face_area
 from cadbem.cad.partition import divided
 from cadbem.cad.parts import Part
@@ -97,7 +99,11 @@ def _parts(face: BrepFace, tolerance: float) -> list[tuple[Nurbs, float]]:
             raise CadError(f"no way was found to divide it into well-shaped patches; {REMEDY}")
         parts += found
     allowed = tolerance * size_of(face)
-    return [piece for part in parts for piece in chart.pieces(part, allowed)]
+    pieces = [piece for part in parts for piece in chart.pieces(part, allowed)]
+    if max(deviation for _, deviation in pieces) > allowed and misfit(face) > allowed:
+        # edges that contradict the face are rough: more spans would follow their noise
+        pieces = [piece for part in parts for piece in chart.pieces(part, misfit(face))]
+    return pieces
 
 
 def size_of(face: BrepFace) -> float:
@@ -105,18 +111,23 @@ def size_of(face: BrepFace) -> float:
     return float(np.ptp(edge_points(face), axis=0).max())
 
 
+def _allowed(face: BrepFace, tolerance: float) -> float:
+    """Deviation (mm) allowed: no less than by how much the face's own edges contradict it."""
+    return max(tolerance * size_of(face), misfit(face))
+
+
 def _check(face: BrepFace, covering: Covering, tolerance: float) -> None:
     """Raises CadError if patches fold, stray from the face or do not cover it once."""
-    size = size_of(face)
-    if covering.deviation > tolerance * size:
+    allowed = _allowed(face, tolerance)
+    if covering.deviation > allowed:
         raise CadError(
-            f"patches would deviate from it by {covering.deviation / size:.1e} of its size, more "
-            f"than the tolerance {tolerance:g}; allow more with tolerance, or {REMEDY}"
+            f"patches would deviate from it by {covering.deviation / size_of(face):.1e} of its "
+            f"size, more than the tolerance {tolerance:g}; allow more with tolerance, or {REMEDY}"
         )
     if min(worst_angle(surface) for surface in covering.surfaces) < SHARPEST:
         raise CadError(f"patches would fold; {REMEDY}")
     area, expected = _area(covering), face_area(face)
-    if abs(area - expected) > (UNCOVERED + tolerance) * expected:
+    if abs(area - expected) > UNCOVERED * expected + allowed * edge_length(face):
         raise CadError(f"patches would cover {area / expected:.7f} of its area; {REMEDY}")
 
 

@@ -18,6 +18,7 @@ from cadbem.cad.parts import POOR, Part, collapsed, four_sided
 from cadbem.cad.patterns import patterns
 from cadbem.cad.region import Region
 
+DRAWN = 0.2  # quality above which a face that was drawn with four sides is left whole
 GOOD = 0.5  # quality above which fewer parts are better than better ones
 PATCH_COST = 0.02  # quality that one more patch must gain
 BRANCHES = 4
@@ -74,6 +75,8 @@ def _all_divided(regions: tuple[Region, ...], search: _Search, most: int) -> lis
 def _settled(parts: list[Part], region: Region) -> bool:
     """Whether parts are good and so few that searching on is not worth while: n corners ask for
     n / 2 - 1 quadrilaterals if there are four, each hole for four more."""
+    if len(parts) == 1 and len(region.strokes) == 4 and _worst(parts) >= DRAWN:
+        return True
     if not parts or _worst(parts) < GOOD:
         return False
     corners = int((np.abs(region.angles - np.pi) > np.radians(30)).sum())

@@ -14,7 +14,7 @@ from cadbem.spline.basis import Array
 POOR = 0.12  # least quality of a part that is used
 CUSP = np.radians(15)  # corner in which a patch is collapsed
 COLLAPSED = 0.3  # largest quality of such a patch: others are preferred
-CORNER, STRAIGHT = np.radians(150), np.radians(40)  # largest corner; largest kink within a side
+CORNER, STRAIGHT = np.radians(160), np.radians(40)  # largest corner; largest kink within a side
 
 Side = tuple[Stroke, ...]
 
@@ -99,7 +99,7 @@ def part_quality(sides: list[Side]) -> float:
         for b in (up[:, :-1], up[:, 1:]):
             area = a[0] * b[1] - a[1] * b[0]
             lengths = np.hypot(*a) * np.hypot(*b)
-            there = lengths > 1e-12 * lengths.max()
+            there = lengths > 1e-6 * lengths.max()  # elsewhere a side is a point
             quality = min(quality, float((area[there] / lengths[there]).min(initial=1.0)))
             elements.append(area)
     if any(len(side) == 1 and side[0].length == 0 for side in sides):

@@ -14,7 +14,7 @@ from cadbem.cad.layouts import TOLERANCE
 from cadbem.cad.model import CadModel, open_model
 from cadbem.errors import CadError, CadWarning
 
-OPEN = 1e-6  # |∮ n dS| / area above which patches do not enclose a volume
+OPEN = 1e-4  # |∮ n dS| / area above which patches do not enclose a volume
 HOLLOW = 1e-9  # volume / area^(3/2) below which nothing is enclosed
 
 

@@ -127,7 +127,12 @@ class Stroke:
         """Where the stroke is sampled: its ends only if it is straight."""
         if self.is_straight:
             return np.array([0.0, 1.0])
-        return np.linspace(0, 1, max(4, int(np.ceil(self.turning / FINEST))) + 1)
+        at, turned = self._turned
+        count = max(4, int(np.ceil(self.turning / FINEST)))
+        if self.record.spline is None:
+            return np.linspace(0, 1, count + 1)
+        measure = turned + 0.5 * max(self.turning, 1e-6) * at  # close where it bends
+        return np.interp(np.linspace(0, measure[-1], 3 * count // 2 + 1), measure, at)
 
     @cached_property
     def samples(self) -> Array:
@@ -148,8 +153,14 @@ class Stroke:
     @cached_property
     def turning(self) -> float:
         """Sum of the angles, taken positive, by which the direction changes."""
-        steps = np.diff(self.points(np.linspace(0, 1, 65)))
-        return float(np.abs(turns(steps)).sum())
+        return float(self._turned[1][-1])
+
+    @cached_property
+    def _turned(self) -> tuple[Array, Array]:
+        """Fractions, and the turning up to each of them."""
+        at = np.linspace(0, 1, 65 if self.record.spline is None else 257)
+        angles = np.abs(turns(np.diff(self.points(at))))
+        return at, np.concatenate([[0.0], np.cumsum(angles), [angles.sum()]])
 
     @property
     def arcs(self) -> int:
