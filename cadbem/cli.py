@@ -5,16 +5,16 @@ from __future__ import annotations
 import argparse
 import runpy
 import sys
-from collections.abc import Iterable, Sequence
-from math import isnan
+import warnings
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
-from typing import TYPE_CHECKING, NoReturn
+from typing import Any, NoReturn
 
 from cadbem import __version__
-from cadbem.errors import CadbemError
-
-if TYPE_CHECKING:
-    from cadbem.cad import CadReport
+from cadbem.cli_report import report_lines
+from cadbem.errors import CadbemError, CadError, CadWarning
 
 USER_MISTAKE, INTERRUPTED = 2, 130
 
@@ -34,7 +34,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the answer is the exit code (2 after a mistake of the user)."""
     options = _parser().parse_args(arguments)
     try:
-        options.command(options)
+        with _warnings_in_one_line():
+            options.command(options)
     except CadbemError as error:
         print(f"cadbem: {' '.join(str(error).split())}", file=sys.stderr)
         return USER_MISTAKE
@@ -42,6 +43,22 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print("cadbem: interrupted", file=sys.stderr)
         return INTERRUPTED
     return 0
+
+
+@contextmanager
+def _warnings_in_one_line() -> Iterator[None]:
+    """Ours without the place in the source code; those of others as they are."""
+    with warnings.catch_warnings():
+        usual = warnings.showwarning
+
+        def show(message: Any, category: type[Warning], *place: Any, **more: Any) -> None:
+            if issubclass(category, CadWarning):
+                print(f"cadbem: warning: {' '.join(str(message).split())}", file=sys.stderr)
+            else:
+                usual(message, category, *place, **more)
+
+        warnings.showwarning = show
+        yield
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -73,12 +90,14 @@ def _add_info(commands: argparse._SubParsersAction) -> None:
         commands,
         "info",
         "say what a CAD file holds and whether it can be solved",
-        "Lists every face with its number, name, kind, degrees, patches, area and centre, then\n"
-        "the unit, area, volume and extent of the fluid, and every problem found.  The numbers\n"
-        "and names are what Boundary.named(...) takes.\n\n"
+        "Lists every face with its number, name, kind, degrees, patches, area, deviation of the\n"
+        "patches from it, smallest angle between parameter lines in degrees, smallest over\n"
+        "largest area element, and centre; then the unit, area, volume and extent of the fluid,\n"
+        "what is unusual, and every problem found.  The numbers and names are what\n"
+        "Boundary.named(...) takes.\n\n"
         "example: cadbem info geometries/y_junction.step",
     )
-    parser.add_argument("file", metavar="FILE", help="a STEP (.step, .stp) or IGES (.iges, .igs)")
+    _add_reading(parser)
     parser.set_defaults(command=_info)
 
 
@@ -87,13 +106,51 @@ def _add_view(commands: argparse._SubParsersAction) -> None:
         commands,
         "view",
         "draw the boundary in a CAD file, one colour a name",
-        "Arrows show the normals, which point into the fluid.\n\n"
+        "If the file cannot be solved, its defective faces are red; the reasons are printed, and\n"
+        "the exit code is 2.\n\n"
         "example: cadbem view geometries/y_junction.step -o y_junction.png",
     )
-    parser.add_argument("file", metavar="FILE", help="a STEP (.step, .stp) or IGES (.iges, .igs)")
+    _add_reading(parser)
     parser.add_argument("-o", "--output", metavar="PNG", required=True, help="picture to write")
     parser.add_argument("--force", action="store_true", help="replace the picture if it exists")
     parser.set_defaults(command=_view)
+
+
+def _add_reading(parser: _Parser) -> None:
+    """The file, and the options of `read_cad`, which are left to it where they are not given."""
+    parser.add_argument("file", metavar="FILE", help="a STEP (.step, .stp) or IGES (.iges, .igs)")
+    parser.add_argument(
+        "--fluid",
+        type=lambda text: int(text) if text.isdecimal() else text,
+        help="what the fluid is: solid (default), a solid's number or name, material, all, void",
+    )
+    parser.add_argument(
+        "--names",
+        choices=("names", "layers", "colours"),
+        help="what faces are called by (default: names)",
+    )
+    parser.add_argument(
+        "--tolerance",
+        type=_positive,
+        metavar="SHARE",
+        help="deviation allowed from curved trimmed faces, per size of the face (default: 1e-6)",
+    )
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not (value > 0 and isfinite(value)):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0, such as 1e-6")
+    return value
+
+
+def _reading(options: argparse.Namespace) -> dict[str, Any]:
+    """The options of `read_cad` that were given."""
+    chosen = {key: getattr(options, key) for key in ("fluid", "names", "tolerance")}
+    return {key: value for key, value in chosen.items() if value is not None}
 
 
 def _add_run(commands: argparse._SubParsersAction) -> None:
@@ -127,55 +184,8 @@ def _add_warmup(commands: argparse._SubParsersAction) -> None:
 def _info(options: argparse.Namespace) -> None:
     from cadbem.cad import inspect_cad
 
-    report = inspect_cad(options.file)
-    print("\n".join([*_face_table(report), "", *_totals(report), "", *_verdict(report)]))
-
-
-def _face_table(report: CadReport) -> list[str]:
-    size = abs(report.bounds).max()
-    extra = [what for what in ("layer", "colour") if any(getattr(f, what) for f in report.faces)]
-    rows = [["face", "name", *extra, "kind", "degrees", "patches", "area", "centre", "problem"]]
-    for face in report.faces:
-        degrees = "x".join(str(degree) for degree in face.degrees) or "-"
-        numbers = [degrees, str(face.patches), _number(face.area, 6), _vector(face.centre, size)]
-        problem = "yes, see below" if face.problem else ""
-        called = [face.name or "-", *(getattr(face, what) or "-" for what in extra)]
-        rows.append([str(face.number), *called, face.kind, *numbers, problem])
-    widths = [max(len(cell) for cell in column) for column in zip(*rows, strict=True)]
-    return [
-        "  ".join(cell.ljust(width) for cell, width in zip(row, widths, strict=True)).rstrip()
-        for row in rows
-    ]
-
-
-def _totals(report: CadReport) -> list[str]:
-    unit = report.unit or "units"
-    low, high = (_vector(corner, abs(report.bounds).max()) for corner in report.bounds)
-    return [
-        f"file    {report.file}",
-        f"unit    {unit}",
-        f"faces   {len(report.faces)} in {sum(face.patches for face in report.faces)} patches",
-        f"area    {_number(report.area, 10)} {unit}^2",
-        f"volume  {_number(report.volume, 10)} {unit}^3",
-        f"extent  {low} to {high} {unit}",
-        f"gap     {_number(report.gap, 2)} {unit}, the largest between neighbouring faces",
-    ]
-
-
-def _verdict(report: CadReport) -> list[str]:
-    if not report.problems:
-        return ["No problems: read_cad accepts this file."]
-    return ["Problems:", *(f"- {problem}" for problem in report.problems)]
-
-
-def _number(value: float, digits: int) -> str:
-    return "unknown" if isnan(value) else f"{value:.{digits}g}"
-
-
-def _vector(values: Iterable[float], size: float) -> str:
-    """Coordinates, without the rounding errors that stand for zeros in a model of this size."""
-    cleaned = (value if abs(value) > 1e-9 * size else 0.0 for value in values)
-    return f"({', '.join(f'{value:.4g}' for value in cleaned)})"
+    report = inspect_cad(options.file, **_reading(options))
+    print("\n".join(report_lines(report)))
 
 
 def _view(options: argparse.Namespace) -> None:
@@ -184,11 +194,18 @@ def _view(options: argparse.Namespace) -> None:
         raise UsageError(f"{picture} exists; choose another name or add --force")
     if not picture.parent.is_dir():
         raise UsageError(f"{picture}: there is no folder {picture.parent}; make it first")
-    from cadbem.cad import read_cad
+    from cadbem.cad.picture import defect_lines, skins
+    from cadbem.cad.survey import survey_cad
     from cadbem.post import draw_boundary
 
-    draw_boundary(read_cad(options.file), picture)
-    print(picture)
+    survey = survey_cad(options.file, **_reading(options))
+    for warning in survey.model.warnings:
+        warnings.warn(warning, CadWarning, stacklevel=1)
+    draw_boundary(survey.boundary, picture, defects=defect_lines(survey), skins=skins(survey))
+    print("\n".join([str(picture), *survey.complaints()]))
+    if survey.problems:
+        more = len(survey.problems) - 1
+        raise CadError(survey.problems[0] + (f" (and {more} more problems)" if more else ""))
 
 
 def _run(options: argparse.Namespace) -> None:

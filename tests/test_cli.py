@@ -4,11 +4,15 @@ import ast
 import os
 import subprocess
 import sys
+from contextlib import contextmanager
+from math import pi
 from pathlib import Path
 
+import gmsh
 import pytest
 
 import cadbem
+from cadbem.cad import write_cad
 from cadbem.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -25,11 +29,11 @@ def cadbem_process(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def mistake(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
+def mistake(capsys: pytest.CaptureFixture[str], *arguments: str | Path, says: str = "") -> str:
     """The one line on stderr that a command leaves which ends with exit code 2."""
     assert main([str(a) for a in arguments]) == 2
     output, errors = capsys.readouterr()
-    assert output == ""
+    assert output == says
     assert errors.startswith("cadbem: ") and errors.count("\n") == 1
     return errors
 
@@ -64,6 +68,162 @@ def test_folder_instead_of_file(capsys, read, tmp_path):
     mistake(capsys, *read, tmp_path)
 
 
+@pytest.fixture
+def plate(tmp_path):
+    """A plate 4 x 2 x 1 with a round hole of radius 0.5 through it, in the middle."""
+    with gmsh_model() as occ:
+        box, hole = occ.addBox(-2, -1, 0, 4, 2, 1), occ.addCylinder(0, 0, 0, 0, 0, 1, 0.5)
+        occ.cut([(3, box)], [(3, hole)])
+        return written(tmp_path / "plate.step")
+
+
+@pytest.fixture
+def open_box(tmp_path):
+    """A box 3 x 2 x 1 without its face at x = 3."""
+    with gmsh_model() as occ:
+        box = occ.addBox(0, 0, 0, 3, 2, 1)
+        occ.remove([(3, box)])
+        ends = [face for face in occ.getEntities(2) if occ.getCenterOfMass(*face)[0] > 2.9]
+        assert len(ends) == 1
+        occ.remove(ends)
+        return written(tmp_path / "open_box.step")
+
+
+@pytest.fixture
+def two_boxes(tmp_path):
+    """Two solids apart from each other, of volume 1 and 8."""
+    with gmsh_model() as occ:
+        occ.addBox(0, 0, 0, 1, 1, 1)
+        occ.addBox(3, 0, 0, 2, 2, 2)
+        return written(tmp_path / "two_boxes.step")
+
+
+@contextmanager
+def gmsh_model():
+    gmsh.initialize(interruptible=False, readConfigFiles=False)
+    gmsh.option.setNumber("General.Terminal", 0)
+    yield gmsh.model.occ
+    gmsh.finalize()
+
+
+def written(path):
+    gmsh.model.occ.synchronize()
+    write_cad(path, {})
+    return path
+
+
+def totals(output: str) -> dict[str, list[str]]:
+    """Words of each line by the first one."""
+    return {line.split()[0]: line.split()[1:] for line in output.splitlines() if line}
+
+
+def test_info_of_a_plate_with_a_hole(capsys, plate):
+    """Volume (4 x 2 - pi/4) x 1; area twice the perforated face, 12 around, pi within the hole.
+    The two perforated planes and the hole's cylinder are exact, each of several patches; a corner
+    of four straight or round patches about the hole has no more than a right angle."""
+    assert main(["info", str(plate)]) == 0
+    output, errors = capsys.readouterr()
+    table = output.split("\n\n")[0].splitlines()
+    header = ["face", "name", "kind", "degrees", "patches", "area", "deviation", "angle"]
+    assert table[0].split() == [*header, "jacobian", "centre", "problem"]
+    kinds = sorted((row.split()[2], float(row.split()[5])) for row in table[1:])
+    face = 8 - pi / 4
+    expected = [("cylinder", pi), *(("plane", a) for a in (2, 2, 4, 4, face, face))]
+    assert [kind for kind, _ in kinds] == [kind for kind, _ in expected]
+    assert [a for _, a in kinds] == pytest.approx([a for _, a in expected], rel=1e-5)
+    assert all(float(row.split()[6]) == 0 for row in table[1:])
+    found = totals(output)
+    assert float(found["area"][0]) == pytest.approx(2 * face + 12 + pi, rel=1e-9)
+    assert float(found["volume"][0]) == pytest.approx(face, rel=1e-9)
+    assert output.count("relative difference from the CAD kernel's own surfaces") == 2
+        "mm^2,",
+        "relative",
+        "difference",
+        "from",
+        "the",
+        "CAD",
+        "kernel's",
+        "own",
+        "surfaces",
+    ]
+    assert float(found["area"][-1]) < 1e-9 and float(found["volume"][-1]) < 1e-9
+    assert float(found["gap"][0]) < 1e-9
+    assert found["deviation"][:2] == ["0", "mm,"]
+    smallest = min(float(row.split()[7]) for row in table[1:])
+    assert 10 < float(found["angle"][0]) == smallest <= 90
+    assert 0 < float(found["jacobian"][0].strip(",")) <= 1
+    assert output.rstrip().endswith("No problems: read_cad accepts this file.")
+    assert errors == ""
+
+
+def test_info_passes_the_options_on(capsys, two_boxes):
+    """Which of two solids is the fluid must be said; by number it is that one."""
+    assert main(["info", str(two_boxes)]) == 0
+    assert "Problems:" in capsys.readouterr().out
+    volumes = []
+    for fluid in ("1", "2", "all"):
+        assert main(["info", str(two_boxes), "--fluid", fluid]) == 0
+        volumes.append(float(totals(capsys.readouterr().out)["volume"][0]))
+    assert sorted(volumes[:2]) == pytest.approx([1, 8])
+
+
+@pytest.mark.parametrize("command", ["info", "view"])
+def test_options_are_those_of_read_cad(capsys, monkeypatch, tmp_path, command):
+    """Given ones only; digits are the number of a solid."""
+    calls = []
+
+    def reader(path, **options):
+        calls.append(options)
+        raise cadbem.CadError("seen")
+
+    monkeypatch.setattr("cadbem.cad.report.inspect_cad", reader)
+    monkeypatch.setattr("cadbem.cad.survey.survey_cad", reader)
+    picture = ["-o", str(tmp_path / "out.png")] if command == "view" else []
+    for options in (["--fluid", "2"], ["--fluid", "void 1", "--names", "layers"], []):
+        assert main([command, "a.step", *picture, *options]) == 2
+    assert main([command, "a.step", *picture, "--tolerance", "1e-4"]) == 2
+    assert calls == [{"fluid": 2}, {"fluid": "void 1", "names": "layers"}, {}, {"tolerance": 1e-4}]
+
+
+@pytest.mark.parametrize("command", ["info", "view"])
+@pytest.mark.parametrize(
+    ("option", "value"),
+    [("tolerance", "fine"), ("tolerance", "0"), ("tolerance", "nan"), ("names", "numbers")],
+)
+def test_bad_options_are_one_line(capsys, command, option, value):
+    with pytest.raises(SystemExit, match="2"):
+        main([command, str(SQUARE), f"--{option}", value])
+    output, errors = capsys.readouterr()
+    assert (output, errors.count("\n")) == ("", 1)
+    assert f"--{option}" in errors and f"'{value}'" in errors
+
+
+@pytest.mark.parametrize("fluid", ["3", "0", "water"])
+def test_a_fluid_that_is_not_in_the_file(capsys, two_boxes, fluid):
+    assert fluid in mistake(capsys, "info", two_boxes, "--fluid", fluid)
+
+
+def test_warnings_are_one_line_each(tmp_path):
+    """Those of cadbem; others keep Python's form."""
+    script = tmp_path / "script.py"
+    script.write_text(
+        "from warnings import warn\nfrom cadbem.errors import CadWarning\n"
+        "warn('no unit\\nis given', CadWarning)\nwarn('seven')\n"
+    )
+    lines = cadbem_process("run", script).stderr.splitlines()
+    assert lines[0] == "cadbem: warning: no unit is given"
+    assert lines[1:] == [f"{script}:4: UserWarning: seven", "  warn('seven')"]
+
+
+def test_view_warns(capsys, tmp_path):
+    """A channel as if it were 2 km long."""
+    long = tmp_path / "long.step"
+    long.write_text(SQUARE.read_text().replace(".MILLI.", ".KILO."))
+    assert main(["view", str(long), "-o", str(tmp_path / "out.png")]) == 0
+    output, errors = capsys.readouterr()
+    assert errors.startswith("cadbem: warning: long.step: ") and errors.count("\n") == 1
+
+
 def test_info_of_the_square_channel(capsys):
     """Cross-section 1 x 1, length 2: volume 2, area 2 + 4 x 2 = 10; six planes."""
     assert main(["info", str(SQUARE)]) == 0
@@ -89,7 +249,21 @@ def test_info_lists_problems_of_an_open_channel(capsys, tmp_path):
     assert main(["info", str(path)]) == 0
     output, _ = capsys.readouterr()
     assert "Problems:\n- open.step" in output
-    assert "open.step" in mistake(capsys, "view", path, "-o", tmp_path / "out.png")
+
+
+def test_view_of_an_open_box(capsys, open_box, tmp_path):
+    """The four neighbours of the missing face are named, each with the middle of its open edge;
+    the opposite face is not."""
+    picture = tmp_path / "out.png"
+    assert main(["view", str(open_box), "-o", str(picture)]) == 2
+    output, errors = capsys.readouterr()
+    lines = output.splitlines()
+    assert lines[0] == str(picture) and picture.read_bytes().startswith(b"\x89PNG")
+    assert errors.startswith("cadbem: open_box.step: the faces leave openings: 4 edges")
+    assert errors.count("\n") == 1
+    places = [line.split("[")[2].split("]")[0] for line in lines[1:]]
+    assert sorted(places) == ["3, 0, 0.5", "3, 1, 0", "3, 1, 1", "3, 2, 0.5"]
+    assert all(line.endswith("mm belongs to this face only") for line in lines[1:])
 
 
 def test_view_draws_and_does_not_overwrite(capsys, tmp_path):

@@ -14,7 +14,7 @@ FLOORS = (
     {"problems"},
     {"suspension"},
     {"results", "post", "warmup"},
-    {"script", "cli", "__init__", "__main__"},
+    {"script", "cli", "cli_report", "__init__", "__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}

@@ -154,7 +154,7 @@ def _add_defects(plotter: Any, surface: Any, lines: Mapping[int, list[Array]], l
         colour = FAULT if face in painted else DEFECT
         for curve in curves:
             mesh = pyvista.MultipleLines(curve.T + lift)
-            plotter.add_mesh(mesh, color=colour, line_width=5, lighting=False)
+            plotter.add_mesh(mesh, color=colour, line_width=7, lighting=False)
         if face not in painted:
             middle = np.concatenate(curves, axis=1).mean(axis=1)
             _add_labels(plotter, middle[:, None], [face], DEFECT)
