@@ -29,11 +29,11 @@ def cadbem_process(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
     )
 
 
-def mistake(capsys: pytest.CaptureFixture[str], *arguments: str | Path, says: str = "") -> str:
+def mistake(capsys: pytest.CaptureFixture[str], *arguments: str | Path) -> str:
     """The one line on stderr that a command leaves which ends with exit code 2."""
     assert main([str(a) for a in arguments]) == 2
     output, errors = capsys.readouterr()
-    assert output == says
+    assert output == ""
     assert errors.startswith("cadbem: ") and errors.count("\n") == 1
     return errors
 
@@ -136,16 +136,6 @@ def test_info_of_a_plate_with_a_hole(capsys, plate):
     assert float(found["area"][0]) == pytest.approx(2 * face + 12 + pi, rel=1e-9)
     assert float(found["volume"][0]) == pytest.approx(face, rel=1e-9)
     assert output.count("relative difference from the CAD kernel's own surfaces") == 2
-        "mm^2,",
-        "relative",
-        "difference",
-        "from",
-        "the",
-        "CAD",
-        "kernel's",
-        "own",
-        "surfaces",
-    ]
     assert float(found["area"][-1]) < 1e-9 and float(found["volume"][-1]) < 1e-9
     assert float(found["gap"][0]) < 1e-9
     assert found["deviation"][:2] == ["0", "mm,"]
@@ -198,9 +188,11 @@ def test_bad_options_are_one_line(capsys, command, option, value):
     assert f"--{option}" in errors and f"'{value}'" in errors
 
 
-@pytest.mark.parametrize("fluid", ["3", "0", "water"])
-def test_a_fluid_that_is_not_in_the_file(capsys, two_boxes, fluid):
-    assert fluid in mistake(capsys, "info", two_boxes, "--fluid", fluid)
+@pytest.mark.parametrize(
+    ("fluid", "words"), [("3", "no solid 3"), ("0", "fluid=0"), ("water", "called 'water'")]
+)
+def test_a_fluid_that_is_not_in_the_file(capsys, two_boxes, fluid, words):
+    assert words in mistake(capsys, "info", two_boxes, "--fluid", fluid)
 
 
 def test_warnings_are_one_line_each(tmp_path):
