@@ -18,10 +18,10 @@ import numpy as np
 from cadbem.cad.approximate import approximated
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.brep_geometry import CurveRecord
-from cadbem.cad.coons import coons_patch, joined
+from cadbem.cad.coons import coons_patch, joined, snapped
 from cadbem.cad.evaluate import KernelSurface
 from cadbem.cad.face_geometry import FLAT, is_planar, located, parameter_box, plane_of
-from cadbem.cad.parts import Part, Side, along
+from cadbem.cad.parts import Part, Side, along, ends_of
 from cadbem.cad.quality import least_element
 from cadbem.cad.region import Loop, Region, divided_along, merged, region_of
 from cadbem.cad.strokes import Stroke, line
@@ -101,10 +101,10 @@ class SurfaceChart:
 
 def _blended(part: Part, lift: Lift, tolerance: float) -> Iterator[Piece]:
     """Patches through points of the part, cut where strokes of its sides meet."""
-    breaks = [_breaks(part.sides[0], part.sides[2]), _breaks(part.sides[1], part.sides[3])]
-    blend = _Blend(part.sides, lift)
-    for u in pairwise(breaks[0]):
-        for v in pairwise(breaks[1]):
+    ends, breaks = _ends(part.sides)
+    blend = _Blend(part.sides, ends, lift)
+    for u in pairwise(breaks[0].tolist()):
+        for v in pairwise(breaks[1].tolist()):
             yield from approximated(blend, tolerance, (*u, *v))
 
 
@@ -113,11 +113,15 @@ class _Blend:
     """The map (ξ, η) -> face by blending the sides in the plane."""
 
     sides: tuple[Side, Side, Side, Side]
+    ends: list[Array]  # shares of each side at which its strokes meet
     lift: Lift
 
     def __call__(self, xi: Array, eta: Array) -> Array:
-        south, north = along(self.sides[0], xi), along(self.sides[2], 1 - xi)
-        east, west = along(self.sides[1], eta), along(self.sides[3], 1 - eta)
+        places = xi, eta, 1 - xi, 1 - eta
+        south, east, north, west = (
+            along(side, at, ends)
+            for side, at, ends in zip(self.sides, places, self.ends, strict=True)
+        )
         a, b, c, d = (side[0].samples[:, :1] for side in self.sides)
         corners = (1 - xi) * (1 - eta) * a + xi * (1 - eta) * b + xi * eta * c + (1 - xi) * eta * d
         flat = (1 - eta) * south + eta * north + (1 - xi) * west + xi * east - corners
@@ -220,12 +224,13 @@ def _simple(stroke: Stroke) -> Stroke:
     return line(stroke.samples[:, 0], stroke.samples[:, -1]) if stroke.is_straight else stroke
 
 
-def _breaks(first: Side, second: Side) -> list[float]:
-    """Shares of two opposite sides' lengths at which the strokes of one of them meet."""
-    at = [0.0, 1.0]
-    for side, backwards in ((first, False), (second, True)):
-        ends = np.cumsum([stroke.length for stroke in side])
-        shares = ends[:-1] / ends[-1]
-        at += (1 - shares if backwards else shares).tolist()
-    distinct = np.unique(np.round(at, 9))
-    return distinct.tolist()
+def _ends(sides: tuple[Side, Side, Side, Side]) -> tuple[list[Array], list[Array]]:
+    """Shares of each side's length at which its strokes meet, and all of them in ξ and in η: those
+    of opposite sides that nearly agree are made one."""
+    ends = [ends_of(side) for side in sides]
+    breaks = []
+    for k in (0, 1):
+        facing = snapped((1 - ends[k + 2])[::-1], ends[k])
+        ends[k + 2] = (1 - facing)[::-1]
+        breaks.append(np.unique(np.concatenate([ends[k], facing])))
+    return ends, breaks

@@ -11,6 +11,8 @@ import numpy as np
 from cadbem.spline.basis import Array, greville, multiplicities
 from cadbem.spline.nurbs import Nurbs
 
+SLIVER = 1e-2  # share of a side between joints of opposite sides that are taken for one
+
 
 def coons_patch(curves: list[Nurbs]) -> Nurbs:
     """The patch inside four curves that follow each other round the loop.
@@ -81,15 +83,31 @@ def _compatible(first: Nurbs, second: Nurbs) -> tuple[Nurbs, Nurbs]:
     """Two curves on the same degree and knots."""
     degree = max(first.degrees[0], second.degrees[0])
     first, second = first.elevated((degree,)), second.elevated((degree,))
-    second = _snapped_to(second, first.knots[0])
+    second = _snapped_to(second, first)
     return _enriched(first, second), _enriched(second, first)
 
 
-def _snapped_to(curve: Nurbs, knots: Array) -> Nurbs:
-    """Knots that differ from others by rounding only become equal to them."""
-    nearest = knots[np.argmin(np.abs(curve.knots[0][:, None] - knots), axis=1)]
-    snapped = np.where(np.abs(nearest - curve.knots[0]) < 1e-9, nearest, curve.knots[0])
-    return Nurbs(curve.degrees, (snapped,), curve.points, curve.weights)
+def _snapped_to(curve: Nurbs, other: Nurbs) -> Nurbs:
+    """Joints close to one of the other curve's moved there, together with the knots between: each
+    piece keeps its shape, and no sliver comes to lie between two joints. Domains are [0, 1]."""
+    own, wanted = (_joints(c) for c in (curve, other))
+    knots = np.interp(curve.knots[0], own, snapped(own, wanted))
+    close = other.knots[0][np.argmin(np.abs(knots[:, None] - other.knots[0]), axis=1)]
+    knots = np.where(np.abs(close - knots) < 1e-9, close, knots)  # the same up to rounding
+    return Nurbs(curve.degrees, (knots,), curve.points, curve.weights)
+
+
+def snapped(own: Array, wanted: Array) -> Array:
+    """Rising shares of a side moved to nearly equal ones of the opposite side, unless two meet."""
+    nearest = wanted[np.argmin(np.abs(own[:, None] - wanted), axis=1)]
+    target = np.where(np.abs(nearest - own) < SLIVER, nearest, own)
+    return own if (np.diff(target) <= 0).any() else target
+
+
+def _joints(curve: Nurbs) -> Array:
+    """Ends of a curve, and knots between at which its pieces only meet."""
+    values, counts = multiplicities(curve.knots[0])
+    return values[counts >= curve.degrees[0]]
 
 
 def _enriched(curve: Nurbs, other: Nurbs) -> Nurbs:

@@ -1,7 +1,7 @@
 """Area of a face and volume under it, from the edges alone: no patches are needed.
 
 With S = ∂u × ∂v, the flux (1/3) ∬ x·S du dv over the face is, by Green's theorem in the plane of
-parameters, (1/3) ∮ F dv along its loops, F(u, v) = ∫ x·S du from a fixed u to u; with |S| for x·S / 3
+parameters, (1/3) ∮ F dv along its loops, F(u, v) = ∫ x·S du from a fixed u to u; with |S| for x·S/3
 it is the area. The sum of fluxes over the faces of a closed shell is the volume it encloses,
 positive if every S points out.
 """
@@ -15,6 +15,7 @@ from cadbem.cad.brep_geometry import SurfaceRecord
 from cadbem.cad.curves import Interval
 from cadbem.cad.evaluate import KernelSurface
 from cadbem.cad.face_geometry import parameter_box, parameter_curves
+from cadbem.cad.surfaces import splines_of, unrolled_knots
 from cadbem.errors import CadError
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.spline.basis import Array
@@ -96,11 +97,9 @@ def _joints(surface: KernelSurface, curve: Nurbs) -> Array:
 
 def _breaks(surface: SurfaceRecord, axis: int, interval: Interval) -> Array:
     """The interval of a parameter, cut where a spline surface's pieces meet."""
-    if surface.spline is None:
-        return np.array(interval)
-    knots = surface.spline.knots[axis]
-    if surface.spline.periodic[axis]:
-        period = knots[-1] - knots[0]
-        knots = np.concatenate([knots + turn * period for turn in (-1, 0, 1)])
-    inner = knots[(knots > interval[0]) & (knots < interval[1])]
-    return np.unique([*interval, *inner])
+    breaks = list(interval)
+    for own, spline, along in splines_of(surface):
+        if own == axis:
+            knots = unrolled_knots(spline, along)
+            breaks += knots[(knots > interval[0]) & (knots < interval[1])].tolist()
+    return np.unique(breaks)

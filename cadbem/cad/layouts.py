@@ -100,7 +100,7 @@ def _parts(face: BrepFace, tolerance: float) -> list[tuple[Nurbs, float]]:
         parts += found
     allowed = tolerance * size_of(face)
     pieces = [piece for part in parts for piece in chart.pieces(part, allowed)]
-    if max(deviation for _, deviation in pieces) > allowed and misfit(face) > allowed:
+    if allowed < misfit(face) < max(deviation for _, deviation in pieces):
         # edges that contradict the face are rough: more spans would follow their noise
         pieces = [piece for part in parts for piece in chart.pieces(part, misfit(face))]
     return pieces

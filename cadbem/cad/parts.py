@@ -89,7 +89,7 @@ def part_of(sides: list[Side]) -> Part | None:
 
 def part_quality(sides: list[Side]) -> float:
     """The smaller of the least sine between parameter lines and four times the ratio of least to
-    largest area element of the Coons map; of the sine alone and `COLLAPSED` if a side is a point."""
+    largest area element of the Coons map; if a side is a point, of the sine and `COLLAPSED`."""
     points = coons_points([along(side, np.linspace(0, 1, 11)) for side in sides])
     forth = np.diff(points, axis=1)
     up = np.diff(points, axis=2)
@@ -108,10 +108,16 @@ def part_quality(sides: list[Side]) -> float:
     return min(quality, 4 * float(np.min(elements)) / largest) if largest > 0 else -1.0
 
 
-def along(side: Side, shares: Array) -> Array:
-    """Points (2, n) at shares (n,) of a side's length."""
+def ends_of(side: Side) -> Array:
+    """Shares of a side's length at which its strokes begin and end."""
     ends = np.concatenate([[0.0], np.cumsum([stroke.length for stroke in side])])
-    ends = ends / ends[-1] if ends[-1] > 0 else np.array([0.0, 1.0])  # a side that is a point
+    return ends / ends[-1] if ends[-1] > 0 else np.array([0.0, 1.0])  # a side that is a point
+
+
+def along(side: Side, shares: Array, ends: Array | None = None) -> Array:
+    """Points (2, n) at shares (n,) of a side, whose strokes lie between `ends`, by default shares
+    of the length."""
+    ends = ends_of(side) if ends is None else ends
     index = np.clip(np.searchsorted(ends, shares, side="right") - 1, 0, len(side) - 1)
     points = np.empty((2, len(shares)))
     for k, stroke in enumerate(side):

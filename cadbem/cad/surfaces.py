@@ -35,7 +35,7 @@ from cadbem.cad.curves import (
     spline_nurbs,
 )
 from cadbem.errors import CadError
-from cadbem.spline.basis import multiplicities
+from cadbem.spline.basis import Array, multiplicities
 from cadbem.spline.nurbs import Nurbs
 
 
@@ -120,19 +120,16 @@ def rough_lines(record: SurfaceRecord, box: tuple[Interval, Interval]) -> list[t
     """Lines (axis, parameter) inside a rectangle across which second derivatives may jump, where
     programs join the pieces of spline surfaces."""
     lines = []
-    for axis, spline, along in _splines(record):
-        values, counts = multiplicities(spline.knots[along])
+    for axis, spline, along in splines_of(record):
+        values, counts = multiplicities(unrolled_knots(spline, along))
         rough = values[counts >= max(spline.degrees[along] - 1, 1)]
-        if spline.periodic[along]:
-            period = spline.knots[along][-1] - spline.knots[along][0]
-            rough = np.unique(np.concatenate([rough + k * period for k in (-1, 0, 1)]))
         low, high = box[axis]
         margin = 1e-6 * (high - low)
         lines += [(axis, float(x)) for x in rough if low + margin < x < high - margin]
     return lines
 
 
-def _splines(record: SurfaceRecord) -> list[tuple[int, SplineRecord, int]]:
+def splines_of(record: SurfaceRecord) -> list[tuple[int, SplineRecord, int]]:
     """Spline, and its own axis, along each axis of a surface that has one."""
     while record.basis is not None:
         record = record.basis
@@ -141,6 +138,15 @@ def _splines(record: SurfaceRecord) -> list[tuple[int, SplineRecord, int]]:
     if record.curve is None or record.curve.spline is None:
         return []
     return [(0 if record.kind == EXTRUSION else 1, record.curve.spline, 0)]
+
+
+def unrolled_knots(spline: SplineRecord, axis: int) -> Array:
+    """Knots of a spline; of a periodic one those of the periods before and after, too."""
+    knots = spline.knots[axis]
+    if not spline.periodic[axis]:
+        return knots
+    period = knots[-1] - knots[0]
+    return np.concatenate([knots[:-1] - period, knots[:-1], knots + period])
 
 
 def smooth_pieces(surface: Nurbs) -> list[Nurbs]:
