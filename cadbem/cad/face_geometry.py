@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from cadbem.cad.brep import BrepFace, EdgeUse
@@ -12,6 +14,7 @@ from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
+REMEMBERED = 4096  # edges and faces whose curves and boxes are kept for the next question
 FLAT = 1e-7  # deviation from a line, plane or rectangle that is still rounding, per size of it
 
 
@@ -22,6 +25,7 @@ def shape_of(face: BrepFace) -> str:
     return ", ".join([face.surface.kind, *words])
 
 
+@lru_cache(maxsize=REMEMBERED)
 def world_curve(use: EdgeUse) -> Nurbs | None:
     """The edge in the model's coordinates, as its curve runs; None if it is a point."""
     if use.curve is None:
@@ -41,6 +45,7 @@ def edge_length(face: BrepFace) -> float:
     return float(sum(np.linalg.norm(np.diff(points_on(u), axis=0), axis=1).sum() for u in uses))
 
 
+@lru_cache(maxsize=REMEMBERED)
 def points_on(use: EdgeUse) -> Array:
     """Points (n, 3) along an edge that is not a point."""
     try:
@@ -48,9 +53,12 @@ def points_on(use: EdgeUse) -> Array:
     except CadError:  # a curve that is no NURBS; its ends must do
         return use.ends
     assert curve is not None
+    if _is_segment(curve):
+        return np.linspace(curve.points[0], curve.points[1], 9)
     return curve.evaluate(np.linspace(*curve.domain[0], 9)).T
 
 
+@lru_cache(maxsize=REMEMBERED)
 def parameter_box(face: BrepFace) -> tuple[Interval, Interval] | None:
     """The rectangle of parameters round the face; None if an edge has no parameter curve."""
     curves = parameter_curves(face)
@@ -67,16 +75,17 @@ def parameter_box(face: BrepFace) -> tuple[Interval, Interval] | None:
     return box[0], box[1]
 
 
-def parameter_curves(face: BrepFace) -> list[Nurbs]:
-    """The edges as curves (2D) in the parameter plane, in the loops' order; [] if one lacks it."""
+@lru_cache(maxsize=REMEMBERED)
+def parameter_curves(face: BrepFace) -> tuple[Nurbs, ...]:
+    """The edges as curves (2D) in the parameter plane, in the loops' order; () if one lacks it."""
     curves = []
     for loop in face.loops:
         for use in loop:
             curve = _parameter_curve(face, use)
             if curve is None:
-                return []
+                return ()
             curves.append(curve)
-    return curves
+    return tuple(curves)
 
 
 def _parameter_curve(face: BrepFace, use: EdgeUse) -> Nurbs | None:
@@ -96,10 +105,16 @@ def _parameter_curve(face: BrepFace, use: EdgeUse) -> Nurbs | None:
 
 
 def sampled(curve: Nurbs) -> Array:
-    """Points (dim, n) on every span of the curve."""
+    """Points (dim, n) on every span of the curve; the ends of a segment."""
+    if _is_segment(curve):
+        return curve.points.T
     breaks = np.unique(curve.knots[0])
     inside = np.linspace(breaks[:-1], breaks[1:], 7).T.ravel()
     return curve.evaluate(inside)
+
+
+def _is_segment(curve: Nurbs) -> bool:
+    return curve.degrees == (1,) and len(curve.points) == 2
 
 
 def is_planar(face: BrepFace) -> bool:

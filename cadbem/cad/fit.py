@@ -6,12 +6,14 @@ thing more than once: if a digit of one of them is wrong, it contradicts the oth
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.brep_geometry import PLANE
 from cadbem.cad.evaluate import KernelSurface, curve_point
-from cadbem.cad.face_geometry import edge_points, parameter_box
+from cadbem.cad.face_geometry import REMEMBERED, edge_points, parameter_box
 from cadbem.cad.marks import Unit
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
@@ -50,6 +52,7 @@ def sewing_gaps(file: str, unit: Unit, faces: tuple[BrepFace, ...]) -> list[str]
     return [f"{file}: healed: faces {worst / unit.millimetres:.1g} {unit.name} apart were sewn"]
 
 
+@lru_cache(maxsize=REMEMBERED)
 def misfit(face: BrepFace) -> float:
     """Largest distance of a vertex from the end of its edge, and of an edge from the face; mm."""
     uses = [use for loop in face.loops for use in loop if use.curve is not None]
