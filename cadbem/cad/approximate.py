@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from cadbem.spline.basis import Array, basis_functions, greville
+from cadbem.spline.basis import Array, basis_matrices, greville
 from cadbem.spline.nurbs import Nurbs
 
 # degree and number of spans, by the number of coefficients that they need
@@ -126,8 +126,4 @@ def _nodes(degree: int, spans: int) -> tuple[Array, Array]:
 
 def _matrix(degree: int, spans: int, at: Array) -> Array:
     """Values (len(at), n) of the basis functions."""
-    first, values = basis_functions(degree, _knots(degree, spans), at, 0)
-    matrix = np.zeros((len(at), degree + spans))
-    for offset in range(degree + 1):
-        matrix[np.arange(len(at)), first + offset] = values[0, offset]
-    return matrix
+    return basis_matrices(degree, _knots(degree, spans), at)[0]

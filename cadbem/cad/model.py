@@ -15,7 +15,7 @@ from cadbem.cad.fit import contradictions, sewing_gaps
 from cadbem.cad.fluid import choose_fluid, room_of
 from cadbem.cad.iges_text import IgesText
 from cadbem.cad.kernel import KernelModel, import_model
-from cadbem.cad.layouts import face_patches
+from cadbem.cad.layouts import face_patches, size_of
 from cadbem.cad.marks import FaceMark, Unit, check_choice, chosen, match_marks
 from cadbem.cad.sizes import assumed_unit, unusual_size
 from cadbem.cad.source import CadSource, read_source
@@ -65,6 +65,16 @@ class CadModel:
             for surface in covering.surfaces
         ]
         return patches, covering.deviation / scale
+
+    def relaxed(self, face: BrepFace, deviation: float, tolerance: float) -> list[str]:
+        """A line to warn with if a face's patches deviate (file's unit) by more than was asked."""
+        size = size_of(face) / self.unit.millimetres
+        if deviation <= tolerance * size:
+            return []
+        return [
+            f"{self.file}: patches of {self.label(face)} deviate from it by {deviation / size:.1e} "
+            f"of its size instead of {tolerance:g}: its edges are that far off it"
+        ]
 
     def centre(self, face: BrepFace) -> Array:
         """Middle of the box round the face's edges, in the file's unit."""

@@ -88,9 +88,13 @@ def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
     refused: list[str] = []
     for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
         try:
-            patches += model.patches(face, tolerance)[0]
+            laid, deviation = model.patches(face, tolerance)
         except CadError as error:
             refused.append(f"{model.file}: {error}")
+            continue
+        patches += laid
+        for line in model.relaxed(face, deviation, tolerance):
+            warn(line, CadWarning, stacklevel=3)
     if refused:
         others = f" ({len(refused) - 1} more faces cannot, either)" if len(refused) > 1 else ""
         raise CadError(refused[0] + others)

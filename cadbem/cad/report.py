@@ -78,7 +78,7 @@ class CadReport:
     @property
     def deviation(self) -> float:
         """Largest distance of a patch from its face."""
-        return max(face.deviation for face in self.faces)
+        return max((f.deviation for f in self.faces if not f.problem), default=nan)
 
 
 def inspect_cad(
@@ -104,6 +104,12 @@ def inspect_cad(
         area, gap = sum(r.area for r in reports), _largest_gap(model, survey.patches)
     if not survey.problems:
         volume = _converged(survey.boundary.volume)
+    relaxed = [
+        line
+        for face in model.faces
+        if face.number in survey.deviations
+        for line in model.relaxed(face, survey.deviations[face.number], tolerance)
+    ]
     return CadReport(
         file=model.file,
         unit=model.unit.name,
@@ -115,7 +121,7 @@ def inspect_cad(
         bounds=_bounds(model, survey.boundary.patches),
         gap=gap,
         problems=survey.problems,
-        remarks=(*model.warnings, *model.kernel.log),
+        remarks=(*model.warnings, *relaxed, *model.kernel.log),
         defects=refused | model.defective_faces(),
     )
 

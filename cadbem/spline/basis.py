@@ -71,6 +71,16 @@ def basis_functions(
     return spans - degree, values
 
 
+def basis_matrices(degree: int, knots: Array, u: Array, order: int = 0) -> Array:
+    """All B-splines and their derivatives at each u (m,): shape (order + 1, m, count)."""
+    first, values = basis_functions(degree, knots, u, order)
+    matrices = np.zeros((order + 1, len(u), function_count(degree, knots)))
+    rows = np.arange(len(u))
+    for offset in range(degree + 1):
+        matrices[:, rows, first + offset] = values[:, offset]
+    return matrices
+
+
 def _values(degree: int, knots: Array, spans: NDArray[np.int64], u: Array) -> Array:
     functions = np.ones((1, len(u)))
     for q in range(1, degree + 1):

@@ -8,15 +8,18 @@ from functools import reduce
 from itertools import product
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cadbem.spline.basis import (
     Array,
     basis_functions,
+    basis_matrices,
     function_count,
     multiplicities,
     refinement_matrix,
 )
+
+GRID = 64  # points from which it is worth while to look whether they form a grid
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,6 +102,10 @@ class Nurbs:
         self, order: int, grids: Sequence[Array]
     ) -> dict[tuple[int, ...], Array]:
         shape = grids[0].shape
+        if len(grids) == 2 and grids[0].size >= GRID:
+            lines = [np.unique(g.ravel(), return_inverse=True) for g in grids]
+            if len(lines[0][0]) * len(lines[1][0]) <= 2 * grids[0].size:
+                return self._on_lines(order, lines, shape)
         tables = [
             basis_functions(p, k, g, order)
             for p, k, g in zip(self.degrees, self.knots, grids, strict=True)
@@ -113,6 +120,22 @@ class Nurbs:
                 factors = [t[1][k, o] for t, k, o in zip(tables, key, offsets, strict=True)]
                 sums[key] += reduce(np.multiply, factors) * points
         return {key: value.reshape(-1, *shape) for key, value in sums.items()}
+
+    def _on_lines(
+        self, order: int, lines: list[tuple[Array, NDArray[np.intp]]], shape: tuple[int, ...]
+    ) -> dict[tuple[int, ...], Array]:
+        """The same where points lie on few parameter lines: matrix products instead of sums."""
+        tables = [
+            basis_matrices(p, k, values, order)
+            for p, k, (values, _) in zip(self.degrees, self.knots, lines, strict=True)
+        ]
+        found: dict[tuple[int, ...], Array] = {}
+        for i, j in product(range(order + 1), repeat=2):
+            if i + j <= order:
+                grid = np.einsum("ua,abd,vb->duv", tables[0][i], self.homogeneous, tables[1][j],
+                                 optimize=True)  # fmt: skip
+                found[i, j] = grid[:, lines[0][1].ravel(), lines[1][1].ravel()].reshape(-1, *shape)
+        return found
 
     def rebased(self, degrees: Sequence[int], knots: Sequence[Array]) -> Nurbs:
         """The same shape on richer knot vectors (see ``refinement_matrix``)."""
