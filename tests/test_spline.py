@@ -89,6 +89,19 @@ def test_surface_derivatives_agree_with_those_of_its_isolines(p, q):
     assert firsts @ factors / width == pytest.approx(mixed, rel=1e-7)
 
 
+def test_points_on_a_grid_are_those_point_by_point():
+    """Grids are evaluated by matrix products: the same up to rounding, in any order of points."""
+    surface = random_surface(3, 5)
+    u, v = np.meshgrid(np.linspace(0, 1, 13), np.linspace(0, 1, 17), indexing="ij")
+    shuffled = np.random.default_rng(3).permutation(u.size)
+    u, v = u.ravel()[shuffled], v.ravel()[shuffled]
+    grid = surface.derivatives(2, u, v)
+    for k in range(0, u.size, 7):
+        single = surface.derivatives(2, u[k], v[k])
+        for key, value in single.items():
+            assert grid[key][:, k] == pytest.approx(value, rel=1e-11, abs=1e-10)
+
+
 @pytest.mark.parametrize("degree", DEGREES)
 def test_refinement_keeps_the_curve(degree):
     curve, u = random_curve(degree, 5), np.linspace(0, 1, 101)

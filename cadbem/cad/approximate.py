@@ -7,7 +7,7 @@ from functools import cache
 
 import numpy as np
 
-from cadbem.spline.basis import Array, basis_matrices, greville
+from cadbem.spline.basis import Array, basis_matrix, greville
 from cadbem.spline.nurbs import Nurbs
 
 # degree and number of spans, by the number of coefficients that they need
@@ -126,4 +126,4 @@ def _nodes(degree: int, spans: int) -> tuple[Array, Array]:
 
 def _matrix(degree: int, spans: int, at: Array) -> Array:
     """Values (len(at), n) of the basis functions."""
-    return basis_matrices(degree, _knots(degree, spans), at)[0]
+    return basis_matrix(degree, _knots(degree, spans), at)

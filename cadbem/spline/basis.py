@@ -71,11 +71,11 @@ def basis_functions(
     return spans - degree, values
 
 
-def basis_matrices(degree: int, knots: Array, u: Array, order: int = 0) -> Array:
-    """All B-splines and their derivatives at each u (m,): shape (order + 1, m, count)."""
+def basis_matrices(degree: int, knots: Array, u: ArrayLike, order: int = 0) -> Array:
+    """Every function and its derivatives at every u: shape (order + 1, m, n)."""
     first, values = basis_functions(degree, knots, u, order)
-    matrices = np.zeros((order + 1, len(u), function_count(degree, knots)))
-    rows = np.arange(len(u))
+    matrices = np.zeros((order + 1, len(first), function_count(degree, knots)))
+    rows = np.arange(len(first))
     for offset in range(degree + 1):
         matrices[:, rows, first + offset] = values[:, offset]
     return matrices
@@ -105,12 +105,7 @@ def _differentiate(degree: int, knots: Array, spans: NDArray[np.int64], lower: A
 
 def basis_matrix(degree: int, knots: Array, u: ArrayLike, order: int = 0) -> Array:
     """Derivative of the given order of every function at every u: shape (m, n)."""
-    first, values = basis_functions(degree, knots, u, order)
-    matrix = np.zeros((len(first), function_count(degree, knots)))
-    rows = np.arange(len(first))
-    for j in range(degree + 1):
-        matrix[rows, first + j] = values[order, j]
-    return matrix
+    return basis_matrices(degree, knots, u, order)[order]
 
 
 def bernstein(degree: int, t: ArrayLike) -> Array:
