@@ -53,6 +53,8 @@ def _integrals(face: BrepFace, centre: Array) -> Array:
 
 
 def _edge_integrals(surface: KernelSurface, curve: Nurbs, centre: Array) -> Array:
+    if (curve.points[:, 1] == curve.points[0, 1]).all():
+        return np.zeros(2)  # dv = 0
     nodes, weights = gauss_unit(ORDER)
     ends = _pieces(_joints(surface, curve))
     steps = np.diff(ends)[:, None]

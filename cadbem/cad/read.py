@@ -15,6 +15,7 @@ from cadbem.cad.model import CadModel, open_model
 from cadbem.errors import CadError, CadWarning
 
 OPEN = 1e-4  # |∮ n dS| / area above which patches do not enclose a volume
+ORDER = 8  # Gauss points a direction and element
 HOLLOW = 1e-9  # volume / area^(3/2) below which nothing is enclosed
 
 
@@ -66,7 +67,7 @@ def oriented(boundary: Boundary) -> Boundary:
 
     Raises CadError if the patches do not close or enclose nothing.
     """
-    points, weights = boundary.quadrature()
+    points, weights = boundary.quadrature(ORDER)
     area = float(weights.sum())
     opening = float(np.linalg.norm(points.normal @ weights)) / area
     if opening > OPEN:
@@ -74,7 +75,8 @@ def oriented(boundary: Boundary) -> Boundary:
             f"{boundary.source}: the faces do not close: |∮ n dS| / area = {opening:.1e}; "
             "check the model for missing, doubled or turned faces"
         )
-    volume = boundary.volume()
+    arm = points.position - points.position.mean(axis=1)[:, None]
+    volume = -float((arm * points.normal).sum(axis=0) @ weights) / 3
     if abs(volume) < HOLLOW * area**1.5:
         raise CadError(f"{boundary.source}: the faces enclose no volume; export a solid")
     if volume > 0:

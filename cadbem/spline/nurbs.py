@@ -129,12 +129,13 @@ class Nurbs:
             basis_matrices(p, k, values, order)
             for p, k, (values, _) in zip(self.degrees, self.knots, lines, strict=True)
         ]
+        control = self.homogeneous
         found: dict[tuple[int, ...], Array] = {}
         for i, j in product(range(order + 1), repeat=2):
             if i + j <= order:
-                grid = np.einsum("ua,abd,vb->duv", tables[0][i], self.homogeneous, tables[1][j],
-                                 optimize=True)  # fmt: skip
-                found[i, j] = grid[:, lines[0][1].ravel(), lines[1][1].ravel()].reshape(-1, *shape)
+                grid = tables[1][j] @ np.tensordot(tables[0][i], control, axes=1)  # (u, v, dim + 1)
+                places = grid[lines[0][1].ravel(), lines[1][1].ravel()]
+                found[i, j] = places.T.reshape(-1, *shape)
         return found
 
     def rebased(self, degrees: Sequence[int], knots: Sequence[Array]) -> Nurbs:
