@@ -245,19 +245,22 @@ def test_report_of_a_good_file(folder: Path):
     assert report.gap < 1e-12
 
 
-def test_report_of_a_bad_file_lists_what_is_wrong(folder: Path):
-    """A plate with two holes: its large faces have no patches, the other six do."""
-    plate = occ.addBox(-2, -2, 0, 8, 4, 1)
-    holes = [(3, occ.addCylinder(x, 0, 0, 0, 0, 1, 1)) for x in (0, 4)]
-    occ.cut([(3, plate)], holes)
-    report = inspect_cad(exported(folder / "plate.step"))
+def test_report_of_a_bad_file_lists_what_is_wrong(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    """A pipe with a hole across: only its ends are exact, its two walls are not within 1e-14."""
+    monkeypatch.setattr("cadbem.cad.approximate.HALVINGS", 0)  # quick to give up
+    pipes = [
+        (3, occ.addCylinder(0, 0, -2, 0, 0, 4, 1)),
+        (3, occ.addCylinder(0, -2, 0, 0, 4, 0, 0.6)),
+    ]
+    occ.cut(pipes[:1], pipes[1:])
+    report = inspect_cad(exported(folder / "pipe.step"), tolerance=1e-14)
     bad = [face for face in report.faces if face.problem]
-    assert [face.kind for face in bad] == ["plane", "plane"]
-    assert len(report.faces) == 8
+    assert [face.kind for face in bad] == ["cylinder", "cylinder"]
+    assert sum(face.area for face in report.faces if not face.problem) == pytest.approx(2 * pi)
     assert len(report.problems) == 2
     assert "2 holes" in report.problems[0]
     assert np.isnan(report.volume)
-    assert np.allclose(report.bounds, [[-2, -2, 0], [6, 2, 1]])
+    assert np.allclose(report.bounds, [[-1, -1, -2], [1, 1, 2]])
 
 
 def test_mesh_of_the_volume_is_in_the_files_unit(folder: Path):

@@ -15,7 +15,7 @@ from scipy.integrate import quad
 
 from cadbem.boundary import Boundary
 from cadbem.cad import inspect_cad, read_cad
-from cadbem.errors import CadError, CadWarning
+from cadbem.errors import CadWarning
 from cadbem.spline.nurbs import Nurbs
 
 occ = gmsh.model.occ
@@ -255,19 +255,6 @@ def test_where_the_seam_is_does_not_matter(folder: Path):
         assert boundary.volume() == pytest.approx(APPROXIMATE[drilled], rel=1e-5)
 
 
-def test_a_tolerance_out_of_reach_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch):
-    """One line with the face, how close patches come, the tolerance asked and what helps."""
-    monkeypatch.setattr("cadbem.cad.approximate.HALVINGS", 0)  # quick to give up
-    drilled()
-    path = exported(folder / "model.step")
-    words = (
-        r"model.step: face \d \(cylinder, \d edges, .* at \[.* mm cannot.*tolerance 1e-14; allow"
-    )
-    with pytest.raises(CadError, match=words) as caught:
-        read_cad(path, tolerance=1e-14)
-    assert "\n" not in str(caught.value)
-
-
 def test_edges_beside_their_face_limit_the_tolerance(folder: Path):
     """The kernel's edge of a slanted cut is a spline some 1e-8 beside the cone: nothing closer can
     be asked for, which a warning says."""
@@ -276,3 +263,16 @@ def test_edges_beside_their_face_limit_the_tolerance(folder: Path):
     with pytest.warns(CadWarning, match=r"face 1 \(cone, .* instead of 1e-14: its edges"):
         boundary = read_cad(path, tolerance=1e-14)
     assert boundary.volume() == pytest.approx(APPROXIMATE[slanted_cone], rel=1e-7)
+
+
+@pytest.mark.xfail(reason="parts that share a pole's side fold", strict=True)
+def test_both_poles_and_the_seam_inside_a_face(folder: Path):
+    """The unit sphere without a cap that begins 0.3 from the middle, across from the axis; and
+    with a hole of radius 0.5 across the axis: a napkin ring, π h³ / 6 with h = sqrt 3."""
+    occ.cut([(3, occ.addSphere(0, 0, 0, 1))], [(3, occ.addBox(0.3, -2, -2, 3, 4, 4))])
+    capped = read_cad(exported(folder / "capped.step"), tolerance=1e-5)
+    assert capped.volume() == pytest.approx(APPROXIMATE[beheaded_sphere], rel=1e-4)
+    gmsh.clear()
+    occ.cut([(3, occ.addSphere(0, 0, 0, 1))], [(3, occ.addCylinder(-2, 0, 0, 4, 0, 0, 0.5))])
+    ring = read_cad(exported(folder / "ring.step"), tolerance=1e-5)
+    assert ring.volume() == pytest.approx(pi * sqrt(3) ** 3 / 6, rel=1e-4)
