@@ -19,7 +19,7 @@ HERE = Path(__file__).parent
 GEOMETRIES = HERE.parent / "geometries"
 ENDINGS = (".step", ".stp", ".igs", ".iges")
 LOOSER = 1e-4  # tolerance of a second try
-HEAD = ("file", "faces", "patches", "deviation", "gap", "area", "volume", "angle", "CPU s")
+HEAD = ("file", "faces", "patches", "deviation", "gap", "area", "volume", "angle", "CPU s, or why refused")
 
 
 def cpu_seconds() -> float:
