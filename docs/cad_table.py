@@ -19,7 +19,9 @@ HERE = Path(__file__).parent
 GEOMETRIES = HERE.parent / "geometries"
 ENDINGS = (".step", ".stp", ".igs", ".iges")
 LOOSER = 1e-4  # tolerance of a second try
-HEAD = ("file", "faces", "patches", "deviation", "gap", "area", "volume", "angle", "CPU s, or why refused")
+HEAD = (
+    "file", "faces", "patches", "deviation", "gap", "area", "volume", "angle", "CPU s, or why refused"
+)  # fmt: skip
 
 
 def cpu_seconds() -> float:

@@ -1,13 +1,13 @@
 """Which solid, or which room in a chip, is the fluid: `fluid=` of read_cad and inspect_cad."""
 
 import re
-from collections.abc import Iterator
 from math import asin, pi
 from pathlib import Path
 
 import gmsh
 import numpy as np
 import pytest
+from drawn import exported
 
 from cadbem.cad import inspect_cad, read_cad, write_cad
 from cadbem.cad.model import CadModel, open_model
@@ -15,21 +15,6 @@ from cadbem.cad.orientation import enclosed
 from cadbem.errors import CadError
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
-
-
-def exported(path: Path) -> Path:
-    occ.synchronize()
-    gmsh.write(str(path))
-    return path
 
 
 def opened(path: Path, fluid: int | str = "solid") -> CadModel:

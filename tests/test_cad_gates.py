@@ -1,33 +1,19 @@
 """Files that cannot be a boundary: each gives one line that names the file and the remedy."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import gmsh
 import pytest
+from drawn import exported
 
 from cadbem.cad import inspect_cad, mesh_volume, read_cad
 from cadbem.cad.model import open_model
 from cadbem.errors import CadError
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
-
-
-def exported(path: Path) -> Path:
-    occ.synchronize()
-    gmsh.write(str(path))
-    return path
 
 
 def box(folder: Path, suffix: str = ".step") -> Path:

@@ -3,7 +3,6 @@
 The box of these tests is that of `named_box.py`.
 """
 
-from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
@@ -20,15 +19,6 @@ from cadbem.cli import main
 from cadbem.errors import CadError
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
 
 
 def middles(boundary: Boundary) -> dict[str, list[tuple[float, ...]]]:

@@ -62,11 +62,6 @@ def drilled_quarter() -> None:
 CYLINDER = "\n2 0 0 0 0 0 1 1 0 -0 -0 1 0 {}\n"
 
 
-ON_A_LINE = pytest.mark.xfail(
-    reason="parts that are rectangles of parameters are asked for exact NURBS", strict=True
-)
-
-
 @pytest.mark.parametrize("tolerance", [1e-4, 1e-7])
 @pytest.mark.parametrize(("radius", "distance"), [(1.0, 0.5), (2.0, -0.5)])
 def test_the_offset_of_a_cylinder_is_one(
@@ -93,7 +88,6 @@ def test_an_offset_has_the_area_of_what_it_is(record: Path):
     assert patches.area() == pytest.approx(1.5 * pi / 2 * 3 - hole, rel=1e-6)
 
 
-@ON_A_LINE
 def test_an_offset_that_fills_a_rectangle(record: Path):
     """A quarter pipe's wall of radius 1.5 and height 3 as the offset of one of radius 1."""
     occ.addCylinder(0, 0, 0, 0, 0, 3, 1.5, angle=pi / 2)
@@ -119,7 +113,7 @@ def thickened(radius: float) -> int:
     return walls[1]
 
 
-@pytest.mark.parametrize("radius", [pytest.param(0.0, marks=ON_A_LINE), 0.7])
+@pytest.mark.parametrize("radius", [0.0, 0.7])
 def test_the_kernels_offset_of_a_spline(record: Path, radius: float):
     """Every point of the patches is 0.2 from the wavy wall, along its normal there."""
     basis = thickened(radius)

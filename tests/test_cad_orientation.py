@@ -1,7 +1,7 @@
 """Normals of closed shells come out right, and faces that bound nothing are left out."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import replace
 from math import pi
 from pathlib import Path
@@ -9,6 +9,7 @@ from pathlib import Path
 import gmsh
 import numpy as np
 import pytest
+from drawn import exported
 
 from cadbem.cad import read_cad
 from cadbem.cad.brep import BrepFace, read_brep
@@ -17,21 +18,6 @@ from cadbem.cad.orientation import enclosed, shells_of
 from cadbem.errors import CadWarning
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
-
-
-def exported(path: Path) -> Path:
-    occ.synchronize()
-    gmsh.write(str(path))
-    return path
 
 
 def hollow_box():

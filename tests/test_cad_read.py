@@ -1,33 +1,19 @@
 """read_cad, inspect_cad and mesh_volume on files written here: sizes, normals, units, names."""
 
 import re
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import cos, pi, sin
 from pathlib import Path
 
 import gmsh
 import numpy as np
 import pytest
+from drawn import exported
 
 from cadbem.boundary import Boundary
 from cadbem.cad import inspect_cad, mesh_volume, read_cad, write_cad
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
-
-
-def exported(path: Path) -> Path:
-    occ.synchronize()
-    gmsh.write(str(path))
-    return path
 
 
 def box():

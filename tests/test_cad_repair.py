@@ -1,11 +1,11 @@
 """Models that are sewn or healed because they need it, and only then; defects that stay."""
 
-from collections.abc import Iterator
 from pathlib import Path
 
 import gmsh
 import numpy as np
 import pytest
+from drawn import exported
 
 from cadbem.cad import read_cad
 from cadbem.cad.model import CadModel, open_model
@@ -14,21 +14,6 @@ from cadbem.errors import CadError, CadWarning
 
 occ = gmsh.model.occ
 CORNERS = [(0, 0, 0), (1, 0, 0), (1, 2, 0), (0, 2, 0), (0, 0, 3), (1, 0, 3), (1, 2, 3), (0, 2, 3)]
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
-
-
-def exported(path: Path) -> Path:
-    occ.synchronize()
-    gmsh.write(str(path))
-    return path
 
 
 def opened(path: Path) -> CadModel:

@@ -4,13 +4,14 @@ Models are authored with gmsh's OpenCASCADE. Edges where curved surfaces meet ar
 splines, true to some 1e-8 of the model: no tolerance makes volumes better than that.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import acos, asin, cos, pi, sin, sqrt, tan
 from pathlib import Path
 
 import gmsh
 import numpy as np
 import pytest
+from drawn import exported
 from scipy.integrate import quad
 
 from cadbem.boundary import Boundary
@@ -19,21 +20,6 @@ from cadbem.errors import CadWarning
 from cadbem.spline.nurbs import Nurbs
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
-
-
-def exported(path: Path) -> Path:
-    occ.synchronize()
-    gmsh.write(str(path))
-    return path
 
 
 def perforated() -> None:

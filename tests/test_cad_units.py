@@ -4,10 +4,8 @@ The box of these tests is that of `named_box.py`.
 """
 
 import warnings
-from collections.abc import Iterator
 from pathlib import Path
 
-import gmsh
 import numpy as np
 import pytest
 from named_box import SIZES, named_box, with_lines
@@ -19,15 +17,6 @@ from cadbem.errors import CadError
 
 GEOMETRIES = Path(__file__).resolve().parents[1] / "geometries"
 MILLIMETRE = "( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) );"
-
-
-@pytest.fixture
-def folder(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and a folder for files."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path
-    gmsh.finalize()
 
 
 def warned(path: Path) -> tuple[Boundary, list[str]]:

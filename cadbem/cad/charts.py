@@ -91,7 +91,7 @@ class SurfaceChart:
         low, high = corners.min(axis=0), corners.max(axis=0)
         straight = all(len(side) == 1 and side[0].is_straight for side in part.sides)
         on_box = np.minimum(np.abs(corners - low), np.abs(corners - high)) < FLAT * (high - low)
-        if not (straight and on_box.all()):
+        if not (straight and on_box.all()) or self.face.surface.basis is not None:
             return None
         ends = np.stack([low, high]) / self.scale
         limits = np.array([self.surface.u, self.surface.v]).T
@@ -159,7 +159,7 @@ def _surface_chart(face: BrepFace) -> SurfaceChart | None:
         [_stroke(_projected(curve_of(use), np.diag(scale), np.zeros(2)), use) for use in uses]
         for uses in face.loops
     ]
-    region = _region(loops)
+    region = _region(loops, lambda flat: surface.points(*(flat / scale[:, None])))
     if region is None:
         return None
     regions = [region]
@@ -189,20 +189,21 @@ def _projected(record: CurveRecord | None, matrix: Array, shift: Array) -> Curve
     return replace(record, frame=frame)
 
 
-def _region(loops: list[list[Stroke]]) -> Region | None:
-    """Loops with their strokes in order, straight ones simplified."""
+def _region(loops: list[list[Stroke]], lift: Lift | None = None) -> Region | None:
+    """Loops with their strokes in order, straight ones simplified; where strokes part although
+    their ends are one point in space (`lift`), at a pole, a straight one is put between."""
     ends = [stroke.points(np.array([0.0, 1.0])) for strokes in loops for stroke in strokes]
     if not ends:
         return None
     size = float(np.ptp(np.concatenate(ends, axis=1), axis=1).max())
     size = max(size, *(float(np.ptp(s.samples, axis=1).max()) for lp in loops for s in lp))
-    closed = [_closed(strokes, size) for strokes in loops]
+    closed = [_closed(strokes, size, lift) for strokes in loops]
     if not all(closed):
         return None
     return region_of([loop for loop in closed if loop])
 
 
-def _closed(strokes: list[Stroke], size: float) -> Loop | None:
+def _closed(strokes: list[Stroke], size: float, lift: Lift | None) -> Loop | None:
     """A wire lists its edges in any order: follow them from end to end."""
     parts = [part for stroke in strokes for part in stroke.smooth_parts()]
     free = [_simple(part) for part in parts if part.length > TINY * size]
@@ -213,11 +214,22 @@ def _closed(strokes: list[Stroke], size: float) -> Loop | None:
         here = chain[-1].samples[:, -1]
         gaps = [float(np.hypot(*(stroke.samples[:, 0] - here))) for stroke in free]
         following = int(np.argmin(gaps))
-        if gaps[following] > JOINT * size:
+        bridge = _bridge(here, free[following].samples[:, 0], size, lift)
+        if bridge is None:
             return None
-        chain.append(free.pop(following))
-    gap = np.hypot(*(chain[0].samples[:, 0] - chain[-1].samples[:, -1]))
-    return merged(tuple(chain)) if gap <= JOINT * size else None
+        chain += [*bridge, free.pop(following)]
+    bridge = _bridge(chain[-1].samples[:, -1], chain[0].samples[:, 0], size, lift)
+    return None if bridge is None else merged((*chain, *bridge))
+
+
+def _bridge(start: Array, end: Array, size: float, lift: Lift | None) -> Loop | None:
+    """What is missing between two strokes: nothing, a pole, or None if they do not meet."""
+    if np.hypot(*(end - start)) <= JOINT * size:
+        return ()
+    if lift is None:
+        return None
+    gap = np.linalg.norm(np.diff(lift(np.stack([start, end], axis=1))))
+    return (line(start, end),) if gap <= JOINT * size else None
 
 
 def _simple(stroke: Stroke) -> Stroke:

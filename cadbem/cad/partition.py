@@ -23,6 +23,7 @@ GOOD = 0.5  # quality above which fewer parts are better than better ones
 PATCH_COST = 0.02  # quality that one more patch must gain
 BRANCHES = 4
 TRIALS = 16  # regions that are cut while looking for better ways
+MOST_CUT = 300  # regions that are cut at all: a region that no cut divides would go on for ever
 MOST_PARTS = 400
 
 
@@ -54,7 +55,9 @@ def _divided(region: Region, search: _Search, most: int) -> list[Part]:
     if _settled(best, region):
         return best
     search.trials -= 1
-    for cut in best_cuts(region, BRANCHES) if most > 1 else []:
+    if most <= 1 or search.trials < TRIALS - MOST_CUT:
+        return best
+    for cut in best_cuts(region, BRANCHES):
         if best and (_settled(best, region) or search.trials <= 0 and _worst(best) >= POOR):
             break
         parts = _all_divided(region.cut(cut.first, cut.last), search, most)
