@@ -20,7 +20,8 @@ GEOMETRIES = HERE.parent / "geometries"
 ENDINGS = (".step", ".stp", ".igs", ".iges")
 LOOSER = 1e-4  # tolerance of a second try
 HEAD = (
-    "file", "faces", "patches", "deviation", "gap", "area", "volume", "angle", "CPU s, or why refused"
+    "file", "faces", "patches", "deviation", "gap", "area", "volume", "angle",
+    "CPU s, or why refused",
 )  # fmt: skip
 
 

@@ -251,7 +251,6 @@ def test_edges_beside_their_face_limit_the_tolerance(folder: Path):
     assert boundary.volume() == pytest.approx(APPROXIMATE[slanted_cone], rel=1e-7)
 
 
-@pytest.mark.xfail(reason="parts that share a pole's side fold", strict=True)
 def test_both_poles_and_the_seam_inside_a_face(folder: Path):
     """The unit sphere without a cap that begins 0.3 from the middle, across from the axis; and
     with a hole of radius 0.5 across the axis: a napkin ring, π h³ / 6 with h = sqrt 3."""

@@ -174,8 +174,8 @@ def curve_of(use: EdgeUse) -> CurveRecord:
 
 
 def _stroke(record: CurveRecord, use: EdgeUse) -> Stroke:
-    first, last = use.interval
-    return Stroke(record, first, last) if use.sign > 0 else Stroke(record, last, first)
+    first, last = use.interval if use.sign > 0 else use.interval[::-1]
+    return Stroke(record, first, last, is_pole=use.curve is None)
 
 
 def _projected(record: CurveRecord | None, matrix: Array, shift: Array) -> CurveRecord:
@@ -229,11 +229,13 @@ def _bridge(start: Array, end: Array, size: float, lift: Lift | None) -> Loop | 
     if lift is None:
         return None
     gap = np.linalg.norm(np.diff(lift(np.stack([start, end], axis=1))))
-    return (line(start, end),) if gap <= JOINT * size else None
+    return (line(start, end, is_pole=True),) if gap <= JOINT * size else None
 
 
 def _simple(stroke: Stroke) -> Stroke:
-    return line(stroke.samples[:, 0], stroke.samples[:, -1]) if stroke.is_straight else stroke
+    if not stroke.is_straight:
+        return stroke
+    return line(stroke.samples[:, 0], stroke.samples[:, -1], stroke.is_pole)
 
 
 def _ends(sides: tuple[Side, Side, Side, Side]) -> tuple[list[Array], list[Array]]:

@@ -85,8 +85,17 @@ def _angle_costs(
         same = anchors.loop[p] == anchors.loop[q]
         cost = cost + np.where(same, np.where(separating, SEPARATING, POCKET), JOINING)
     sharpest = np.min([*left, *right], axis=0)
+    sharpest = np.where(_at_pole(region, anchors)[pairs].any(axis=1), 0.0, sharpest)
     small = length < 1e-6 * region.size
     return np.where((sharpest < NARROWEST) | small, np.inf, cost), length
+
+
+def _at_pole(region: Region, anchors: Anchors) -> np.ndarray:
+    """Which anchors are ends of poles: all lines that leave from there are tangent in space."""
+    pole = np.array([stroke.is_pole for stroke in region.strokes])
+    loops = range(len(region.loops))
+    before = np.concatenate([np.roll(pole[region.owner == k], 1) for k in loops])
+    return (anchors.fraction == 0) & (pole | before)[anchors.stroke]
 
 
 def _parts(anchors: Anchors, index: np.ndarray, step: Array) -> tuple[Array, Array]:

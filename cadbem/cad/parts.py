@@ -59,6 +59,8 @@ def four_sided(loop: Loop) -> Part | None:
         return None
     ends = [*corners.tolist(), int(corners[0]) + len(loop)]
     sides = [tuple(loop[k % len(loop)] for k in range(a, b)) for a, b in pairwise(ends)]
+    if any(len(side) > 1 and any(stroke.is_pole for stroke in side) for side in sides):
+        return None
     return part_of(sides)
 
 

@@ -15,6 +15,8 @@ MOST_SPOKES = 8
 
 def patterns(region: Region) -> list[list[Part]]:
     """A core for at most three corners, a star for three, a ring for one hole."""
+    if any(stroke.is_pole for stroke in region.strokes):
+        return []  # spokes from its ends would touch there
     if len(region.loops) == 2:
         return [way for way in [_ring(*region.loops)] if way]
     if len(region.loops) > 2:

@@ -74,6 +74,7 @@ class Stroke:
     start: float
     end: float
     table: Table | None = None  # of a spline, shared by pieces of one curve
+    is_pole: bool = False  # it is a point of the face that is spread out
 
     def points(self, fractions: Array) -> Array:
         """Points (2, n)."""
@@ -93,7 +94,7 @@ class Stroke:
 
     def _piece(self, start: float, end: float) -> Stroke:
         shared = self._table if self.record.spline is not None else None
-        return Stroke(self.record, start, end, shared)
+        return Stroke(self.record, start, end, shared, self.is_pole)
 
     def nurbs(self) -> Nurbs:
         """The same as an exact NURBS curve, in the stroke's direction."""
@@ -110,7 +111,8 @@ class Stroke:
         if self.is_straight and other.is_straight:
             a, b, c, d = *self.samples[:, [0, -1]].T, *other.samples[:, [0, -1]].T
             off = abs(angle_between(b - a, d - c)), abs(angle_between(b - a, d - a))
-            return line(a, d) if max(off) < COLLINEAR else None
+            one = max(off) < COLLINEAR and self.is_pole == other.is_pole
+            return line(a, d, self.is_pole) if one else None
         same = self.record is other.record and (self.end > self.start) == (other.end > other.start)
         gap = other.start - self.end
         if self.record.kind in (CIRCLE, ELLIPSE):
@@ -206,9 +208,10 @@ class Stroke:
         return joined
 
 
-def line(start: Array, end: Array) -> Stroke:
+def line(start: Array, end: Array, is_pole: bool = False) -> Stroke:
     """The straight stroke between two points of the plane."""
-    return Stroke(CurveRecord(LINE, np.array([start, end - start])), 0.0, 1.0)
+    record = CurveRecord(LINE, np.array([start, end - start]))
+    return Stroke(record, 0.0, 1.0, is_pole=is_pole)
 
 
 def turns(steps: Array) -> Array:
