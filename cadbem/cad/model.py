@@ -109,7 +109,8 @@ class CadModel:
             if found and not (reason == APART and lines):
                 place = self.place(found[0].place() / self.unit.millimetres)
                 said = words.format(len(found), place)
-                lines.append(f"{self.file}: {said}; {remedy}")
+                sheet = ", or read a plane sketch by read_outline" * (len(self.faces) == 1)
+                lines.append(f"{self.file}: {said}; {remedy}{sheet}")
         return lines
 
     def defective_faces(self) -> dict[int, str]:
