@@ -17,6 +17,7 @@ from cadbem.cad.evaluate import KernelSurface
 from cadbem.cad.face_geometry import parameter_box, parameter_curves
 from cadbem.cad.surfaces import splines_of, unrolled_knots
 from cadbem.errors import CadError
+from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -68,7 +69,7 @@ def _edge_integrals(surface: KernelSurface, curve: Nurbs, centre: Array) -> Arra
     across = ends[:, :-1, None] + lengths[:, :, None] * nodes
     along = np.broadcast_to(v[:, None, None], across.shape)
     x, x_u, x_v = surface.frames(across.ravel(), along.ravel())
-    normal = np.cross(x_u, x_v, axis=0)
+    normal = area_vector(x_u, x_v)
     values = np.linalg.norm(normal, axis=0), ((x - centre[:, None]) * normal).sum(axis=0) / 3
     inner = [(w.reshape(across.shape) @ weights * lengths).sum(axis=1) for w in values]
     return np.array(inner) @ (t_weights * dv)

@@ -6,6 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from cadbem.points import area_vector
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
@@ -42,7 +43,7 @@ def jacobian_ratio(surface: Nurbs) -> float:
 def _elements(surface: Nurbs) -> tuple[Array, Array, float]:
     """|∂u × ∂v|, |∂u| |∂v| on a grid, and the size of the patch."""
     along_u, along_v = _tangents(surface)
-    area = np.linalg.norm(np.cross(along_u, along_v, axis=0), axis=0)
+    area = np.linalg.norm(area_vector(along_u, along_v), axis=0)
     lengths = np.linalg.norm(along_u, axis=0) * np.linalg.norm(along_v, axis=0)
     extent = float(np.ptp(surface.points.reshape(-1, 3), axis=0).max())
     scale = np.array([b - a for a, b in surface.domain]).prod()

@@ -17,6 +17,7 @@ _ATOM = r"(?:#\d+|[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?|\.\w+\.|(?:'[^']*')+
 _BODY = re.compile(
     rf"(?>(?:!?[A-Za-z_]\w*)?\((?!,)|{_ATOM}(?=[,)])|,(?![,)])|\)(?=[,)!A-Za-z_]|\Z))++"
 )
+_REFERENCE = re.compile(r"'[^']*'|#(\d+)")  # strings are passed over
 
 
 def entities(text: str) -> dict[int, str]:
@@ -47,7 +48,7 @@ def entities(text: str) -> dict[int, str]:
 
 def references(body: str) -> list[int]:
     """Numbers of the entities that a body refers to."""
-    return [int(number) for number in re.findall(r"#(\d+)", re.sub(r"'[^']*'", "", body))]
+    return [int(number) for number in _REFERENCE.findall(body) if number]
 
 
 def dangling(found: dict[int, str]) -> list[tuple[int, int]]:
@@ -83,6 +84,8 @@ def _is_sound(body: str) -> bool:
     """Words, numbers, commas and brackets stand where they may."""
     if not _BODY.fullmatch(body):
         return False
+    if body.count("(") == body.count(")") == 1:
+        return body.endswith(")")
     brackets = re.sub(r"[^()]", "", re.sub(r"'[^']*'", "", body))
     depths = list(accumulate(1 if bracket == "(" else -1 for bracket in brackets))
     return depths[-1] == 0 and min(depths[:-1]) > 0 and max(depths) <= DEEPEST
