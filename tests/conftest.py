@@ -14,3 +14,9 @@ def folder(tmp_path: Path) -> Iterator[Path]:
     gmsh.option.setNumber("General.Terminal", 0)
     yield tmp_path
     gmsh.finalize()
+
+
+@pytest.fixture
+def record(folder: Path) -> Path:
+    """A fresh gmsh model, and where to record it."""
+    return folder / "model.brep"

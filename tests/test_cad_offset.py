@@ -3,7 +3,6 @@
 `n` is the unit vector along ∂u × ∂v of the basis.
 """
 
-from collections.abc import Iterator
 from math import cos, pi, sin, sqrt
 from pathlib import Path
 
@@ -18,15 +17,6 @@ from cadbem.cad.brep import BrepFace, read_brep
 from cadbem.cad.layouts import face_patches
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def record(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and where to record it."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path / "model.brep"
-    gmsh.finalize()
 
 
 def recorded(record: Path, line: str = "", basis: str = "", distance: float = 0) -> list[BrepFace]:

@@ -4,7 +4,7 @@ no sharp ones.
 Faces are authored with gmsh's OpenCASCADE, which also says what lies inside of them.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from itertools import pairwise
 from math import asin, atan, cos, degrees, pi, sin, sqrt
 from pathlib import Path
@@ -21,15 +21,6 @@ from cadbem.spline.nurbs import Nurbs
 occ = gmsh.model.occ
 
 Author = Callable[[], object]
-
-
-@pytest.fixture
-def record(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and where to record it."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path / "model.brep"
-    gmsh.finalize()
 
 
 def patches_of(record: Path) -> list[Nurbs]:

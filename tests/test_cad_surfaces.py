@@ -4,7 +4,6 @@ Solids are authored with gmsh's OpenCASCADE and recorded as `.brep` text; nothin
 through STEP, so only rounding remains.
 """
 
-from collections.abc import Iterator
 from itertools import pairwise
 from math import cos, pi, sin, sqrt
 from pathlib import Path
@@ -21,15 +20,6 @@ from cadbem.errors import CadError
 from cadbem.spline.nurbs import Nurbs
 
 occ = gmsh.model.occ
-
-
-@pytest.fixture
-def record(tmp_path: Path) -> Iterator[Path]:
-    """A fresh gmsh model, and where to record it."""
-    gmsh.initialize(interruptible=False, readConfigFiles=False)
-    gmsh.option.setNumber("General.Terminal", 0)
-    yield tmp_path / "model.brep"
-    gmsh.finalize()
 
 
 def patches_of(record: Path) -> Boundary:

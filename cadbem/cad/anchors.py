@@ -44,8 +44,7 @@ def candidates(region: Region) -> tuple[Anchors, np.ndarray, np.ndarray]:
     sources = described(region, stroke, fraction)
     count = len(stroke)
     first, second = np.tril_indices(count, -1)
-    more = [*_feet(region, sources), *_hits(region, sources)]
-    extra = [(index, place) for index, place in more]
+    extra = [*_feet(region, sources), *_hits(region, sources)]
     between = _between_holes(region) if len(region.loops) > 2 else []
     places = [place for _, place in extra] + [place for pair in between for place in pair]
     stroke = np.concatenate([stroke, np.array([p.stroke for p in places], dtype=int)])
@@ -145,8 +144,6 @@ def _ray_turns(angle: float) -> list[float]:
     """Angles from the onward direction of rays from a corner."""
     if angle < np.radians(100):
         return []
-    if angle < np.radians(170):
-        return [angle / 2]
     if angle < np.radians(190):
         return [angle / 2]
     return [angle - np.pi, np.pi, angle / 2]

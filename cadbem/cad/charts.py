@@ -20,7 +20,14 @@ from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.brep_geometry import CurveRecord
 from cadbem.cad.coons import coons_patch, joined, snapped
 from cadbem.cad.evaluate import KernelSurface
-from cadbem.cad.face_geometry import FLAT, is_planar, located, parameter_box, plane_of
+from cadbem.cad.face_geometry import (
+    FLAT,
+    curve_of,
+    is_planar,
+    located,
+    parameter_box,
+    plane_of,
+)
 from cadbem.cad.parts import Part, Side, along, ends_of
 from cadbem.cad.quality import least_element
 from cadbem.cad.region import Loop, Region, divided_along, merged, region_of
@@ -40,7 +47,6 @@ Lift = Callable[[Array], Array]  # (2, n) -> (3, n)
 class PlaneChart:
     """Points O + x X + y Y of a plane; ∂u × ∂v of the face's surface is along X × Y."""
 
-    # edges stay exact unless their parameters run too unevenly to be blended
 
     regions: tuple[Region, ...]
     origin: Array
@@ -166,11 +172,6 @@ def _surface_chart(face: BrepFace) -> SurfaceChart | None:
     for axis, value in rough_lines(face.surface, box):
         regions = [part for r in regions for part in divided_along(r, axis, value * scale[axis])]
     return SurfaceChart(tuple(regions), face, surface, scale)
-
-
-def curve_of(use: EdgeUse) -> CurveRecord:
-    """The edge's parameter curve: on a seam the second one belongs to the reversed pass."""
-    return use.parameter_curves[-1 if use.sign < 0 else 0]
 
 
 def _stroke(record: CurveRecord, use: EdgeUse) -> Stroke:

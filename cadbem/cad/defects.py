@@ -10,8 +10,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cadbem.cad.brep import BrepFace, EdgeUse
-from cadbem.cad.face_geometry import points_on
-from cadbem.cad.orientation import real_uses
+from cadbem.cad.face_geometry import points_on, real_uses
 from cadbem.spline.basis import Array
 
 OPEN = "belongs to this face only"

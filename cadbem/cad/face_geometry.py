@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 
 import numpy as np
 
 from cadbem.cad.brep import BrepFace, EdgeUse
-from cadbem.cad.brep_geometry import PLANE
+from cadbem.cad.brep_geometry import PLANE, CurveRecord
 from cadbem.cad.curves import Interval, curve_nurbs
 from cadbem.cad.surfaces import natural_domain, surface_nurbs
 from cadbem.errors import CadError
@@ -33,16 +34,27 @@ def world_curve(use: EdgeUse) -> Nurbs | None:
     return curve_nurbs(use.curve, use.interval).transformed(use.matrix[:3, :3], use.matrix[:3, 3])
 
 
+def real_uses(face: BrepFace) -> Iterator[EdgeUse]:
+    """The passes of the face's loops along edges that are not points."""
+    return (use for loop in face.loops for use in loop if use.curve is not None)
+
+
+def size_of(*faces: BrepFace) -> float:
+    """Largest extent of the faces' edges, in millimetres; 0 if they have none."""
+    points = np.concatenate([edge_points(face) for face in faces])
+    return float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+
+
 def edge_points(face: BrepFace) -> Array:
     """Points (n, 3) along the face's edges, in the model's coordinates."""
-    points = [points_on(use) for loop in face.loops for use in loop if use.curve is not None]
+    points = [points_on(use) for use in real_uses(face)]
     return np.concatenate(points) if points else np.zeros((0, 3))
 
 
 def edge_length(face: BrepFace) -> float:
     """Length of the face's edges, by chords."""
-    uses = [use for loop in face.loops for use in loop if use.curve is not None]
-    return float(sum(np.linalg.norm(np.diff(points_on(u), axis=0), axis=1).sum() for u in uses))
+    steps = [np.diff(points_on(use), axis=0) for use in real_uses(face)]
+    return float(sum(np.linalg.norm(step, axis=1).sum() for step in steps))
 
 
 @lru_cache(maxsize=REMEMBERED)
@@ -99,9 +111,12 @@ def _parameter_curve(face: BrepFace, use: EdgeUse) -> Nurbs | None:
         return Nurbs(curve.degrees, curve.knots, local.points @ np.stack([x, y], 1), curve.weights)
     if not use.parameter_curves:
         return None
-    # on a seam the second curve belongs to the reversed pass
-    record = use.parameter_curves[-1 if use.sign < 0 else 0]
-    return curve_nurbs(record, use.interval)
+    return curve_nurbs(curve_of(use), use.interval)
+
+
+def curve_of(use: EdgeUse) -> CurveRecord:
+    """The edge's parameter curve: on a seam the second one belongs to the reversed pass."""
+    return use.parameter_curves[-1 if use.sign < 0 else 0]
 
 
 def sampled(curve: Nurbs) -> Array:

@@ -13,7 +13,7 @@ import numpy as np
 from cadbem.cad.brep import BrepFace, EdgeUse
 from cadbem.cad.brep_geometry import PLANE
 from cadbem.cad.evaluate import KernelSurface, curve_point
-from cadbem.cad.face_geometry import REMEMBERED, edge_points, parameter_box
+from cadbem.cad.face_geometry import REMEMBERED, parameter_box, real_uses, size_of
 from cadbem.cad.marks import Unit
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
@@ -29,7 +29,7 @@ def contradictions(
 ) -> tuple[list[str], list[str]]:
     """Lines to warn with and lines to refuse the model with: one in one of them, or none."""
     misfits = [misfit(face) for face in faces]
-    size = float(np.ptp(np.concatenate([edge_points(face) for face in faces]), axis=0).max())
+    size = size_of(*faces)
     worst = max(misfits)
     if worst <= LOOSE * size:
         return [], []
@@ -46,7 +46,7 @@ def contradictions(
 def sewing_gaps(file: str, unit: Unit, faces: tuple[BrepFace, ...]) -> list[str]:
     """A line if faces that were sewn lie further apart than the file's digits explain."""
     worst = max(misfit(face) for face in faces)
-    size = float(np.ptp(np.concatenate([edge_points(face) for face in faces]), axis=0).max())
+    size = size_of(*faces)
     if not ROUNDING * size < worst <= LOOSE * size:
         return []
     return [f"{file}: healed: faces {worst / unit.millimetres:.1g} {unit.name} apart were sewn"]
@@ -55,10 +55,9 @@ def sewing_gaps(file: str, unit: Unit, faces: tuple[BrepFace, ...]) -> list[str]
 @lru_cache(maxsize=REMEMBERED)
 def misfit(face: BrepFace) -> float:
     """Largest distance of a vertex from the end of its edge, and of an edge from the face; mm."""
-    uses = [use for loop in face.loops for use in loop if use.curve is not None]
     box = parameter_box(face)
     surface = None if box is None else KernelSurface(face.surface, *box, face.matrix)
-    return max((_misfit(face, surface, use) for use in uses), default=0.0)
+    return max((_misfit(face, surface, use) for use in real_uses(face)), default=0.0)
 
 
 def _misfit(face: BrepFace, surface: KernelSurface | None, use: EdgeUse) -> float:

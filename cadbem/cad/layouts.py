@@ -11,17 +11,17 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cadbem.boundary import Patch
+from cadbem.boundary import Boundary, Patch
 from cadbem.cad.brep import BrepFace
 from cadbem.cad.charts import chart_of
 from cadbem.cad.face_geometry import (
     FLAT,
     edge_length,
-    edge_points,
     located,
     parameter_box,
     parameter_curves,
     sampled,
+    size_of,
 )
 from cadbem.cad.fit import misfit
 from cadbem.cad.flux import face_area
@@ -106,11 +106,6 @@ def _parts(face: BrepFace, tolerance: float) -> list[tuple[Nurbs, float]]:
     return pieces
 
 
-def size_of(face: BrepFace) -> float:
-    """Largest extent of the face's edges, in millimetres."""
-    return float(np.ptp(edge_points(face), axis=0).max())
-
-
 def _allowed(face: BrepFace, tolerance: float) -> float:
     """Deviation (mm) allowed: no less than by how much the face's own edges contradict it."""
     return max(tolerance * size_of(face), misfit(face))
@@ -126,10 +121,7 @@ def _check(face: BrepFace, covering: Covering, tolerance: float) -> None:
         )
     if min(worst_angle(surface) for surface in covering.surfaces) < SHARPEST:
         raise CadError(f"patches would fold; {REMEDY}")
-    area, expected = _area(covering), face_area(face)
+    patches = Boundary(tuple(Patch(surface) for surface in covering.surfaces))
+    area, expected = patches.area(ORDER), face_area(face)
     if abs(area - expected) > UNCOVERED * expected + allowed * edge_length(face):
         raise CadError(f"patches would cover {area / expected:.7f} of its area; {REMEDY}")
-
-
-def _area(covering: Covering) -> float:
-    return sum(Patch(surface).quadrature(ORDER)[1].sum() for surface in covering.surfaces)

@@ -10,12 +10,12 @@ import numpy as np
 from cadbem.boundary import Patch
 from cadbem.cad.brep import BrepFace, read_brep
 from cadbem.cad.defects import APART, CROWDED, OPEN, TURNED, find_defects
-from cadbem.cad.face_geometry import edge_points, shape_of
+from cadbem.cad.face_geometry import edge_points, shape_of, size_of
 from cadbem.cad.fit import contradictions, sewing_gaps
 from cadbem.cad.fluid import choose_fluid, room_of
 from cadbem.cad.iges_text import IgesText
 from cadbem.cad.kernel import KernelModel, import_model
-from cadbem.cad.layouts import face_patches, size_of
+from cadbem.cad.layouts import face_patches
 from cadbem.cad.marks import FaceMark, Unit, check_choice, chosen, match_marks
 from cadbem.cad.sizes import assumed_unit, unusual_size
 from cadbem.cad.source import CadSource, read_source
@@ -203,8 +203,7 @@ def _check_unit(file: str, unit: Unit, marks: list[FaceMark], extent: Array) -> 
 
 
 def _check_size(file: str, faces: tuple[BrepFace, ...]) -> None:
-    points = np.concatenate([edge_points(face) for face in faces])
-    size = float(np.ptp(points, axis=0).max()) if len(points) else 0.0
+    size = size_of(*faces)
     if not SMALLEST < size < LARGEST:  # also if not a number
         raise CadError(
             f"{file}: the model is {size:.3g} mm large, which the CAD kernel cannot handle "

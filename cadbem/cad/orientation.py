@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cadbem.cad.brep import BrepFace, EdgeUse
-from cadbem.cad.face_geometry import edge_points
+from cadbem.cad.brep import BrepFace
+from cadbem.cad.face_geometry import edge_points, real_uses
 from cadbem.cad.flux import face_flux
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
@@ -37,11 +37,6 @@ class Shell:
         """Corners (2, 3) of the box of all edges, in millimetres."""
         points = np.concatenate([edge_points(face) for face in self.faces])
         return np.stack([points.min(axis=0), points.max(axis=0)])
-
-
-def real_uses(face: BrepFace) -> Iterator[EdgeUse]:
-    """The passes of the face's loops along edges that are not points."""
-    return (use for loop in face.loops for use in loop if use.curve is not None)
 
 
 def shells_of(faces: Sequence[BrepFace]) -> list[Shell]:

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from cadbem.cad.brep import BrepFace
-from cadbem.cad.face_geometry import edge_points
+from cadbem.cad.face_geometry import size_of
 from cadbem.cad.marks import Unit
 
 LARGE = 1e3  # largest extent in mm; the kernel refuses less than 1e-4 mm, see `_check_size`
@@ -23,8 +21,7 @@ def assumed_unit(file: str, unit: Unit) -> list[str]:
 
 def unusual_size(file: str, unit: Unit, faces: tuple[BrepFace, ...]) -> list[str]:
     """A line if the largest extent is not that of a microchannel."""
-    points = np.concatenate([edge_points(face) for face in faces])
-    size = float(np.ptp(points, axis=0).max())
+    size = size_of(*faces)
     if size <= LARGE:
         return []
     metres = 1e-3 * size
