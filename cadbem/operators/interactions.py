@@ -68,6 +68,22 @@ def interact(
     _near(kernel, panels, targets, close, quadrature, sink)
 
 
+def interact_pairs(
+    kernel: Kernel,
+    panels: Panels,
+    patch: int,
+    targets: Targets,
+    pairs: tuple[Index, Index],
+    quadrature: Rules,
+    sink: Sink,
+) -> None:
+    """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
+    close = _Close.of(panels, patch, targets, quadrature, *pairs)
+    for k, order in enumerate(close.orders):
+        _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
+    _near(kernel, panels, targets, close, quadrature, sink)
+
+
 def mend(
     kernel: Kernel,
     panels: Panels,
@@ -112,9 +128,23 @@ class _Close:
     def find(cls, panels: Panels, patch: int, targets: Targets, quadrature: Rules) -> _Close:
         """The close pairs of a patch."""
         degree = max(panels.surface.degrees)
-        orders = quadrature.orders(degree)
-        reach = quadrature.reach(orders[0], degree) * panels.lengths
+        reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
         target, panel = panels.close_pairs(targets.position, reach)
+        return cls.of(panels, patch, targets, quadrature, target, panel)
+
+    @classmethod
+    def of(
+        cls,
+        panels: Panels,
+        patch: int,
+        targets: Targets,
+        quadrature: Rules,
+        target: Index,
+        panel: Index,
+    ) -> _Close:
+        """Given pairs of a patch."""
+        degree = max(panels.surface.degrees)
+        orders = quadrature.orders(degree)
         closest = _closest(panels, patch, targets, target, panel)
         ratio = closest[2] / panels.lengths[panel]
         level = np.zeros(len(ratio), dtype=np.int64)
