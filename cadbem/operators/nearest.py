@@ -7,10 +7,10 @@ from functools import cached_property
 from math import sqrt
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
+from cadbem.compiled import compiled
 from cadbem.operators.panels import Index, Panels, split_patch
 from cadbem.quadrature.panels import area_vector, closest_on_panels, evaluate_panel, fill_bernstein
 from cadbem.spline.basis import Array
@@ -148,7 +148,7 @@ class NearestSearch:
         return distance, normal, cosine
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _near_pairs(targets, centres, radii, samples, cover, reach, pairs):
     """Fill ``pairs`` (2, room) with targets and panels that may be nearest; returns how many.
 
@@ -186,7 +186,7 @@ def _near_pairs(targets, centres, radii, samples, cover, reach, pairs):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _seen_from(targets, target_of, panel_of, nets, found, sides):
     """Normals, and the cosine between them and the way to the target, at closest points.
 

@@ -9,8 +9,8 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 
+from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER, gauss_unit, log_unit
 from cadbem.quadrature.lines import evaluate_part, line_nodes, part_from
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein, metric
@@ -31,7 +31,7 @@ def gauss_table():
     return table
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def place_nodes(
     nets, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
     starts, foot, position, normal, weight, bu, bv,
@@ -100,7 +100,7 @@ def place_nodes(
     return done
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def moments(starts, table, weight, bu, bv, result):
     """Bernstein moments of each pair: result (pairs, entries, p + 1, q + 1).
 

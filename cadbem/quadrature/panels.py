@@ -9,13 +9,14 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
+
+from cadbem.compiled import compiled
 
 POINT = 1e-7  # share of a panel below which an edge counts as a point, and a distance to it as 0
 APPROACH = 0.9  # share of the way to such an edge that a step may go
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def fill_bernstein(degree, t, values, slopes):
     """Bernstein polynomials and derivatives at t, into arrays of length degree + 1."""
     values[0] = 1.0
@@ -34,7 +35,7 @@ def fill_bernstein(degree, t, values, slopes):
         values[p] = carried
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def evaluate_panel(net, bu, bv, du, dv, point, tangent_u, tangent_v):
     """Position and tangents from Bernstein values and slopes; returns the weight function."""
     dim = net.shape[2] - 1
@@ -66,7 +67,7 @@ def evaluate_panel(net, bu, bv, du, dv, point, tangent_u, tangent_v):
     return weight
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def area_vector(tangent_u, tangent_v, normal):
     """Unit normal into ``normal`` (see ``surface_points``); returns the Jacobian."""
     if normal.shape[0] == 2:
@@ -83,7 +84,7 @@ def area_vector(tangent_u, tangent_v, normal):
     return jacobian
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, samples, result):
     """Closest point of panel panel_of[k] to target target_of[k], for each pair k.
 
@@ -149,7 +150,7 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
         result[0, k], result[1, k], result[2, k] = u, v, sqrt(square)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _open_square(net, low, high):
     """Bounds of u and v (2,) that leave out the edges of a panel that are points."""
     p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
@@ -175,7 +176,7 @@ def _open_square(net, low, high):
         high[1] = 1.0 - POINT
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _step(u, v, point, tu, tv, target):
     """Gauss-Newton step; a parameter that presses against its bound is held."""
     a = b = c = g = h = 0.0
@@ -208,7 +209,7 @@ def _step(u, v, point, tu, tv, target):
     return step_u, step_v
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def metric(net, u, v, bu, du, bv, dv, point, tu, tv):
     """First fundamental form (E, F, G) at (u, v); leaves the position in ``point``."""
     fill_bernstein(net.shape[0] - 1, u, bu, du)

@@ -13,22 +13,22 @@ from __future__ import annotations
 from math import asinh, ceil, cosh, log, pi, sinh, sqrt
 
 import numpy as np
-from numba import njit
 
+from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER
 from cadbem.quadrature.panels import metric
 
 WHOLE = (0.0, 0.0, 1.0, 1.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _order(length, digits, extra):
     """Gauss order for a range of the given length (see the top of this file)."""
     need = digits / (2.0 * asinh(pi / max(length, 0.5)))
     return min(max(int(ceil(need)) + extra, 2), MAX_ORDER)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def collapsed_side(net):
     """Which side is a point, as a pole: 0 v = 0, 1 u = 1, 2 v = 1, 3 u = 0; -1 none."""
     p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
@@ -47,7 +47,7 @@ def collapsed_side(net):
     return side if smallest < 1e-9 * size else -1
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _box(side, near, far):
     """Corners (u0, v0, u1, v1) of the strip between two depths from a side."""
     if side == 0:
@@ -59,7 +59,7 @@ def _box(side, near, far):
     return near, 0.0, far, 1.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     """As ``polar_nodes`` for a panel with one side that is a point.
 
@@ -106,7 +106,7 @@ def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def polar_nodes(net, u, v, distance, box, tolerance, gauss, nodes, work):
     """Nodes (3, capacity): u, v, weight (without Jacobian) into ``nodes``; returns their number.
 

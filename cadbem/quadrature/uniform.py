@@ -7,12 +7,12 @@ from __future__ import annotations
 
 from math import atan2, cos, pi, sin
 
-from numba import njit
+from cadbem.compiled import compiled
 
 CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counter-clockwise
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def subdivided_nodes(order, pieces, gauss, nodes):
     """Tensor Gauss rule of ``order`` on pieces × pieces parts of the unit square.
 
@@ -33,7 +33,7 @@ def subdivided_nodes(order, pieces, gauss, nodes):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def triangle_nodes(u, v, order, gauss, nodes):
     """Polar coordinates of the parameters around (u, v), in four triangles with order² nodes."""
     if 4 * order * order > nodes.shape[1]:
