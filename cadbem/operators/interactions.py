@@ -78,7 +78,15 @@ def interact_pairs(
     sink: Sink,
 ) -> None:
     """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
-    close = _Close.of(panels, patch, targets, quadrature, *pairs)
+    target, panel = pairs
+    degree = max(panels.surface.degrees)
+    reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
+    centres, radii = panels.sphere
+    away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0)
+    far = away > (reach + radii)[panel]
+    lowest = tensor_nodes(panels, quadrature.orders(degree)[0])
+    _middle(kernel, panels, lowest, targets, target[far], panel[far], sink)
+    close = _Close.of(panels, patch, targets, quadrature, target[~far], panel[~far])
     for k, order in enumerate(close.orders):
         _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
     _near(kernel, panels, targets, close, quadrature, sink)
