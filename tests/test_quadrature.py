@@ -40,8 +40,8 @@ def near_rule(surface, target, tolerance, own=None):
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((3, len(nets)))
     done = near.place_nodes(
-        nets, index, 0, *closest, tolerance, 0 * index, 0, near.gauss_table(),
-        starts, foot, position, normal, weight, bu, bv,
+        nets, index, 0, *closest, tolerance, None, 0, near.gauss_table(),
+        starts, foot, None, position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)
     owner = np.repeat(index, np.diff(starts))

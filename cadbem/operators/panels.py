@@ -86,6 +86,7 @@ class Panels:
     def closest(self, position: Array, target: Index, panel: Index) -> Array:
         """Closest points (3, pairs) of pairs: u, v within the panel, distance."""
         result = np.empty((3, len(target)))
+        target, panel = np.ascontiguousarray(target), np.ascontiguousarray(panel)
         closest_on_panels(position, target, panel, self.flat_nets, *self.samples, result)
         return result
 

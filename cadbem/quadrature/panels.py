@@ -72,12 +72,12 @@ def area_vector(tangent_u, tangent_v, normal):
     """Unit normal into ``normal`` (see ``surface_points``); returns the Jacobian."""
     if normal.shape[0] == 2:
         normal[0], normal[1] = tangent_u[1], -tangent_u[0]
-        jacobian = sqrt(normal[0] ** 2 + normal[1] ** 2)
+        jacobian = sqrt(normal[0] * normal[0] + normal[1] * normal[1])
     else:
         normal[0] = tangent_u[1] * tangent_v[2] - tangent_u[2] * tangent_v[1]
         normal[1] = tangent_u[2] * tangent_v[0] - tangent_u[0] * tangent_v[2]
         normal[2] = tangent_u[0] * tangent_v[1] - tangent_u[1] * tangent_v[0]
-        jacobian = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        jacobian = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
     if jacobian > 0.0:
         for c in range(normal.shape[0]):
             normal[c] /= jacobian
@@ -108,7 +108,8 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
                 continue
             distance = 0.0
             for c in range(dim):
-                distance += (samples[panel_of[k], s, c] - targets[c, t]) ** 2
+                gap = samples[panel_of[k], s, c] - targets[c, t]
+                distance += gap * gap
             if distance < square:
                 best, square = s, distance
         u, v = sample_u[best], sample_v[best]
@@ -116,7 +117,7 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
             fill_bernstein(p, u, bu, du)
             fill_bernstein(q, v, bv, dv)
             evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
-            step_u, step_v = _step(u, v, point, tu, tv, targets[:, t])
+            step_u, step_v = _step(u, v, point, tu, tv, targets, t)
             if low[0] > 0.0:
                 step_u = max(step_u, -APPROACH * u)
             if high[0] < 1.0:
@@ -134,7 +135,8 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
                 evaluate_panel(net, bu, bv, du, dv, trial, tu, tv)
                 distance = 0.0
                 for c in range(dim):
-                    distance += (trial[c] - targets[c, t]) ** 2
+                    gap = trial[c] - targets[c, t]
+                    distance += gap * gap
                 if distance <= square:
                     accepted = True
                     break
@@ -177,11 +179,11 @@ def _open_square(net, low, high):
 
 
 @compiled
-def _step(u, v, point, tu, tv, target):
+def _step(u, v, point, tu, tv, targets, t):
     """Gauss-Newton step; a parameter that presses against its bound is held."""
     a = b = c = g = h = 0.0
     for i in range(len(point)):
-        gap = target[i] - point[i]
+        gap = targets[i, t] - point[i]
         a += tu[i] * tu[i]
         b += tu[i] * tv[i]
         c += tv[i] * tv[i]
