@@ -29,7 +29,8 @@ def compiled(function: Callable | None = None, /, **options: Any) -> Any:
     """
     if function is None:
         return functools.partial(compiled, **options)
-    dispatcher = njit(nogil=True, no_cfunc_wrapper=True, **options)(function)
+    defaults = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+    dispatcher = njit(**defaults | options)(function)
     with suppress(RuntimeError):  # numba says so when it finds no folder that it can write to
         dispatcher._cache = _Cache(function)
     return dispatcher

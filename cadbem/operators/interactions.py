@@ -252,12 +252,12 @@ def _near(
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     pieces = quadrature.pieces(panels.lengths[close_panel], closest[2])
-    curve = np.empty((p + 1, dim)) if dim == 2 else None
+    curve, poles = (np.empty((p + 1, dim)), None) if dim == 2 else (None, panels.poles)
     u, v, distance = map(np.ascontiguousarray, closest)
     done = 0
     while done < len(close_target):
         count = near.place_nodes(
-            panels.flat_nets, close_panel, done, u, v, distance,
+            panels.flat_nets, poles, close_panel, done, u, v, distance,
             quadrature.tolerance, pieces, quadrature.order, gauss,
             starts, foot, curve, position, normal, weight, bu, bv,
         )  # fmt: skip

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.quadrature.panels import closest_on_panels
+from cadbem.quadrature.polar import collapsed_sides
 from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
@@ -67,6 +68,11 @@ class Panels:
         points = points.reshape(len(points), -1, points.shape[-1])
         centres = 0.5 * (points.min(axis=1) + points.max(axis=1))
         return centres.T, np.linalg.norm(points - centres[:, None], axis=2).max(axis=1)
+
+    @cached_property
+    def poles(self) -> Index | None:
+        """Sides that are points: see ``collapsed_sides``."""
+        return collapsed_sides(self.flat_nets)
 
     @cached_property
     def lengths(self) -> Array:

@@ -13,10 +13,12 @@ from __future__ import annotations
 from math import asinh, ceil, cosh, log, pi, sinh, sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER
 from cadbem.quadrature.panels import metric
+from cadbem.spline.basis import Array
 
 WHOLE = (0.0, 0.0, 1.0, 1.0)
 
@@ -28,23 +30,16 @@ def _order(length, digits, extra):
     return min(max(int(ceil(need)) + extra, 2), MAX_ORDER)
 
 
-@compiled
-def collapsed_side(net):
-    """Which side is a point, as a pole: 0 v = 0, 1 u = 1, 2 v = 1, 3 u = 0; -1 none."""
-    p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
-    size, smallest, side = 0.0, np.inf, -1
-    for s in range(4):
-        extent = 0.0
-        for k in range(1, (p if s % 2 == 0 else q) + 1):
-            i, j = (k, 0 if s == 0 else q) if s % 2 == 0 else (p if s == 1 else 0, k)
-            i0, j0 = (0, j) if s % 2 == 0 else (i, 0)
-            for c in range(dim):
-                gap = net[i, j, c] / net[i, j, dim] - net[i0, j0, c] / net[i0, j0, dim]
-                extent = max(extent, abs(gap))
-        size = max(size, extent)
-        if extent < smallest:
-            smallest, side = extent, s
-    return side if smallest < 1e-9 * size else -1
+def collapsed_sides(nets: Array) -> NDArray[np.int64] | None:
+    """Which side of each panel is a point, as a pole: 0 v = 0, 1 u = 1, 2 v = 1, 3 u = 0; -1 none.
+
+    None where all panels have four sides, so that nothing for poles is compiled.
+    """
+    points = nets[..., :-1] / nets[..., -1:]
+    sides = points[:, :, 0], points[:, -1], points[:, :, -1], points[:, 0]
+    extents = np.stack([abs(side - side[:, :1]).max(axis=(1, 2)) for side in sides])
+    collapsed = extents.min(axis=0) < 1e-9 * extents.max(axis=0)
+    return np.where(collapsed, extents.argmin(axis=0), -1) if collapsed.any() else None
 
 
 @compiled
