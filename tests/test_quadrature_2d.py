@@ -8,7 +8,7 @@ import pytest
 from cadbem.operators.panels import split_patch
 from cadbem.quadrature import near
 from cadbem.quadrature.gauss import log_unit
-from cadbem.quadrature.panels import closest_on_panels
+from cadbem.quadrature.panels import closest_on_panels, open_squares
 from cadbem.spline.outlines import circle, line
 
 TOLERANCES = (1e-6, 1e-10)
@@ -24,7 +24,7 @@ def near_rule(panels, target, tolerance, own=None):
     closest = np.empty((3, len(nets)))
     x = np.reshape(target, (2, 1)).astype(float)
     u, v, samples = panels.samples
-    closest_on_panels(x, 0 * index, index, nets, u, v, samples, closest)
+    closest_on_panels(x, 0 * index, index, nets, open_squares(nets), u, v, samples, closest)
     if own is not None:
         closest[:, own[0]] = own[1], 0.0, 0.0
     p, capacity = nets.shape[1] - 1, 10_000

@@ -17,8 +17,7 @@ from numpy.typing import NDArray
 
 from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER
-from cadbem.quadrature.panels import metric
-from cadbem.spline.basis import Array
+from cadbem.quadrature.panels import Array, metric, side_extents
 
 WHOLE = (0.0, 0.0, 1.0, 1.0)
 
@@ -35,10 +34,8 @@ def collapsed_sides(nets: Array) -> NDArray[np.int64] | None:
 
     None where all panels have four sides, so that nothing for poles is compiled.
     """
-    points = nets[..., :-1] / nets[..., -1:]
-    sides = points[:, :, 0], points[:, -1], points[:, :, -1], points[:, 0]
-    extents = np.stack([abs(side - side[:, :1]).max(axis=(1, 2)) for side in sides])
-    collapsed = extents.min(axis=0) < 1e-9 * extents.max(axis=0)
+    extents = side_extents(nets)
+    collapsed = extents.min(axis=0) < 1e-9
     return np.where(collapsed, extents.argmin(axis=0), -1) if collapsed.any() else None
 
 
