@@ -29,7 +29,8 @@ def compiled(function: Callable | None = None, /, **options: Any) -> Any:
     """
     if function is None:
         return functools.partial(compiled, **options)
-    dispatcher = njit(nogil=True, **options)(function)
+    defaults: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
+    dispatcher: Any = njit(**defaults | options)(function)
     with suppress(RuntimeError):  # numba says so when it finds no folder that it can write to
         dispatcher._cache = _Cache(function)
     return dispatcher

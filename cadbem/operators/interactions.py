@@ -260,13 +260,14 @@ def _near(
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     pieces = quadrature.pieces(panels.lengths[close_panel], closest[2])
+    curve, poles = (np.empty((p + 1, dim)), None) if dim == 2 else (None, panels.poles)
     u, v, distance = map(np.ascontiguousarray, closest)
     done = 0
     while done < len(close_target):
         count = near.place_nodes(
-            panels.flat_nets, close_panel, done, u, v, distance,
+            panels.flat_nets, poles, close_panel, done, u, v, distance,
             quadrature.tolerance, pieces, quadrature.order, gauss,
-            starts, foot, position, normal, weight, bu, bv,
+            starts, foot, curve, position, normal, weight, bu, bv,
         )  # fmt: skip
         rows = close_target[done : done + count]
         part = starts[: count + 1]
@@ -275,7 +276,7 @@ def _near(
         if not kernel.invariant:
             here += foot[:, :count]
             position[:, : part[-1]] += np.repeat(foot[:, :count], np.diff(part), axis=1)
-        table = kernel.rows_of(here, part, position[:, : part[-1]], normal[:, : part[-1]])
+        table = kernel.rows_of(here, part, position, normal)
         moments = np.empty((count, kernel.entries, p + 1, q + 1))
         near.moments(part, table, weight, bu, bv, moments)
         _add_moments(panels, rows, close_panel[done : done + count], moments, sink)

@@ -63,7 +63,8 @@ def part_from(net, u, foot, part):
         for i in range(p - level):
             for c in range(dim):
                 part[i, c] += share * (part[i + 1, c] - part[i, c])
-    part[0] = 0.0
+    for c in range(dim):
+        part[0, c] = 0.0
 
 
 @compiled

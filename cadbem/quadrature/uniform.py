@@ -13,6 +13,14 @@ CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counte
 
 
 @compiled
+def thesis_nodes(u, v, distance, order, pieces, gauss, nodes):
+    """Nodes for the closest point (u, v) of a panel to a target, at a ``distance`` or on it."""
+    if distance == 0.0:
+        return triangle_nodes(u, v, order, gauss, nodes)
+    return subdivided_nodes(order, pieces, gauss, nodes)
+
+
+@compiled
 def subdivided_nodes(order, pieces, gauss, nodes):
     """Tensor Gauss rule of ``order`` on pieces × pieces parts of the unit square.
 
@@ -28,7 +36,7 @@ def subdivided_nodes(order, pieces, gauss, nodes):
                 for j in range(order):
                     nodes[0, count] = u
                     nodes[1, count] = (b + gauss[0, order, j]) / pieces
-                    nodes[2, count] = gauss[1, order, i] * gauss[1, order, j] / pieces**2
+                    nodes[2, count] = gauss[1, order, i] * gauss[1, order, j] / (pieces * pieces)
                     count += 1
     return count
 
