@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Index, Kernel
+from cadbem.operators.far import far_field, flat
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
 from cadbem.operators.sinks import Sink
 from cadbem.quadrature import Rules, near
 from cadbem.spline.basis import Array
 
-TARGET_BLOCK = 64  # targets a table, to stay in cache
-STRIP = 4  # panels side by side in one matrix product
 NODE_CAPACITY = 1 << 16  # nodes a table of near pairs
 
 
@@ -60,9 +59,11 @@ def interact(
     sink: Sink,
 ) -> None:
     """Add everything that ``patch`` does to ``targets`` to ``sink``."""
-    close = _Close.find(panels, patch, targets, quadrature)
-    nodes = tensor_nodes(panels, close.orders[0])
-    _far(kernel, panels, nodes, targets, close.target, close.panel, sink)
+    degree = max(panels.surface.degrees)
+    orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
+    level = panels.levels(targets.position, [quadrature.reach(m, degree) for m in orders])
+    far_field(kernel, panels, targets.position, orders, level, sink)
+    close = _Close.of(panels, patch, targets, quadrature, *np.nonzero(level == len(orders)))
     for k, order in enumerate(close.orders):
         _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
     _near(kernel, panels, targets, close, quadrature, sink)
@@ -165,43 +166,6 @@ class _Close:
         return self.target[self.level == level], self.panel[self.level == level]
 
 
-def _far(
-    kernel: Kernel,
-    panels: Panels,
-    nodes: Nodes,
-    targets: Targets,
-    close_target: Index,
-    close_panel: Index,
-    sink: Sink,
-) -> None:
-    count_u, count_v = panels.shape
-    per_panel = nodes.weight.shape[2]
-    far = np.ones((targets.count, count_u, count_v), dtype=bool)
-    far.reshape(targets.count, -1)[close_target, close_panel] = False
-    room = np.empty(kernel.entries * TARGET_BLOCK * STRIP * per_panel)
-    for a in range(count_u):
-        for start in range(0, count_v, STRIP):
-            strip = slice(start, min(start + STRIP, count_v))
-            width = strip.stop - strip.start
-            basis, part_u, part_v = nodes.basis(panels, a, strip)
-            position, normal = _flat(nodes.position[:, a, strip]), _flat(nodes.normal[:, a, strip])
-            for low in range(0, targets.count, TARGET_BLOCK):
-                rows = slice(low, min(low + TARGET_BLOCK, targets.count))
-                mask = far[rows, a, strip]
-                if not mask.any():
-                    continue
-                here = np.ascontiguousarray(targets.position[:, rows])
-                table = kernel.block(here, position, normal, room)
-                blocks = table.reshape(kernel.entries, -1, width, per_panel)
-                row, panel = np.nonzero(~mask)
-                blocks[:, row, panel] = 0.0
-                sink.block(rows, table, basis, part_u, part_v)
-
-
-def _flat(values: Array) -> Array:
-    return np.ascontiguousarray(values.reshape(len(values), -1))
-
-
 def _closest(
     panels: Panels, patch: int, targets: Targets, close_target: Index, close_panel: Index
 ) -> Array:
@@ -237,7 +201,7 @@ def _middle(
         a, b = divmod(int(panel), panels.shape[1])
         basis, part_u, part_v = nodes.basis(panels, a, slice(b, b + 1))
         here = np.ascontiguousarray(targets.position[:, rows])
-        position, normal = _flat(nodes.position[:, a, b]), _flat(nodes.normal[:, a, b])
+        position, normal = flat(nodes.position[:, a, b]), flat(nodes.normal[:, a, b])
         room = np.empty(kernel.entries * len(rows) * len(basis))
         table = kernel.block(here, position, normal, room)
         sink.block(rows, table, basis, part_u, part_v)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from numba import njit
 from numpy.typing import NDArray
 
 from cadbem.points import area_vector
@@ -87,12 +89,24 @@ class Panels:
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
         return np.maximum(u, v)
 
+    def levels(self, position: Array, reaches: Sequence[float]) -> NDArray[np.int8]:
+        """How many of the ``reaches``, in panel lengths, each pair may be nearer than: (T, E).
+
+        Points (dim, T) are taken for nearer than they are: by the ball around a panel.
+        """
+        return self._ball_levels(position, np.outer(reaches, self.lengths))
+
     def close_pairs(self, position: Array, reach: Array) -> tuple[Index, Index]:
         """Pairs of points (dim, T) and panels that may be nearer than ``reach`` (E,)."""
-        centres, radii = self.sphere
-        square = ((position[:, :, None] - centres[:, None, :]) ** 2).sum(axis=0)
-        target, panel = np.nonzero(square < (reach + radii) ** 2)
+        target, panel = np.nonzero(self._ball_levels(position, reach[None]))
         return target, panel
+
+    def _ball_levels(self, position: Array, reaches: Array) -> NDArray[np.int8]:
+        centres, radii = self.sphere
+        level = np.empty((position.shape[1], len(radii)), dtype=np.int8)
+        position, centres = np.ascontiguousarray(position), np.ascontiguousarray(centres)
+        ball_levels(position, centres, reaches + radii, level)
+        return level
 
     def closest(self, position: Array, target: Index, panel: Index) -> Array:
         """Closest points (3, pairs) of pairs: u, v within the panel, distance."""
@@ -196,15 +210,14 @@ class Nodes:
         first_u, first_v = panels.first[0][a], panels.first[1][b]
         part_u = slice(first_u, first_u + p + 1)
         part_v = slice(first_v[0], first_v[-1] + q + 1)
-        m_u, m_v = (f.shape[1] for f in self.functions)
-        across = np.zeros((len(first_v), m_v, part_v.stop - part_v.start))
-        for k, f in enumerate(first_v - first_v[0]):
-            across[k, :, f : f + q + 1] = self.functions[1][b][k]
-        weight = self.weight[a, b].reshape(len(first_v), m_u, m_v)
-        along = weight[..., None] * self.functions[0][a][:, None]  # (panel, k, l, i)
         control = panels.surface.weights[part_u, part_v]
-        table = along[..., None] * across[:, None, :, None] * control
-        return table.reshape(len(first_v) * m_u * m_v, -1), part_u, part_v
+        shape = len(first_v), *(f.shape[1] for f in self.functions)
+        table = np.zeros((*shape, *control.shape))
+        weight = self.weight[a, b].reshape(shape)
+        weighted_functions(
+            weight, self.functions[0][a], self.functions[1][b], first_v - first_v[0], control, table
+        )
+        return table.reshape(weight.size, -1), part_u, part_v
 
     @cached_property
     def flat(self) -> tuple[Array, Array]:
@@ -267,3 +280,36 @@ def _bernstein_tables(degree: int, order: int) -> tuple[Array, Array]:
     slopes[1:] += degree * lower
     slopes[:-1] -= degree * lower
     return values, slopes
+
+
+@njit(cache=True, nogil=True)
+def ball_levels(targets, centres, bounds, level):
+    """How many of the ``bounds`` (J, E) each target's distance to each centre stays below.
+
+    ``targets`` (dim, T), ``centres`` (dim, E); into ``level`` (T, E).
+    """
+    for t in range(targets.shape[1]):
+        for e in range(centres.shape[1]):
+            square = 0.0
+            for c in range(len(targets)):
+                square += (targets[c, t] - centres[c, e]) ** 2
+            count = 0
+            for j in range(len(bounds)):
+                if square < bounds[j, e] ** 2:
+                    count += 1
+            level[t, e] = count
+
+
+@njit(cache=True, nogil=True)
+def weighted_functions(weight, along_u, along_v, first, control, table):
+    """Functions of a strip of S panels at its nodes, into ``table`` (S, m_u, m_v, i, j), zeros.
+
+    ``weight`` (S, m_u, m_v), ``along_u`` (m_u, p + 1), ``along_v`` (S, m_v, q + 1), whose first
+    function is j = ``first`` (S,); ``control`` (i, j), the functions' weights.
+    """
+    for s, k, m in np.ndindex(weight.shape):
+        for i in range(along_u.shape[1]):
+            value = weight[s, k, m] * along_u[k, i]
+            for j in range(along_v.shape[2]):
+                f = first[s] + j
+                table[s, k, m, i, f] = value * along_v[s, m, j] * control[i, f]

@@ -37,12 +37,11 @@ class MatrixSink:
         self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
     ) -> None:
         shape = (*table.shape[:2], part_u.stop - part_u.start, part_v.stop - part_v.start)
-        self.entries[:, rows, part_u, part_v] += (table @ basis).reshape(shape)
+        values = (table @ basis).reshape(shape)
+        add_block(rows, part_u.start, part_v.start, values, self.entries)
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        for k, (t, u, v) in enumerate(zip(rows, first_u, first_v, strict=True)):
-            part = (slice(u, u + values.shape[2]), slice(v, v + values.shape[3]))
-            self.entries[(slice(None), t, *part)] += values[k]
+        add_entries(rows, first_u, first_v, values, self.entries)
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,3 +123,24 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
                     for b in range(entry.shape[1]):
                         total += entry[a, b] * part[j, a, b]
             result[i, rows[k]] += total
+
+
+@njit(cache=True, nogil=True)
+def add_block(rows, first_u, first_v, values, entries):
+    """Add values (entries, R, i, j) to ``entries`` (entries, T, n_u, n_v)."""
+    for k in range(len(rows)):
+        for e in range(len(entries)):
+            for i in range(values.shape[2]):
+                into = entries[e, rows[k], first_u + i, first_v : first_v + values.shape[3]]
+                for j in range(values.shape[3]):
+                    into[j] += values[e, k, i, j]
+
+
+@njit(cache=True, nogil=True)
+def add_entries(rows, first_u, first_v, values, entries):
+    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, n_u, n_v)."""
+    for k in range(len(rows)):
+        for e in range(len(entries)):
+            for i in range(values.shape[2]):
+                for j in range(values.shape[3]):
+                    entries[e, rows[k], first_u[k] + i, first_v[k] + j] += values[k, e, i, j]
