@@ -81,13 +81,16 @@ def interact_pairs(
     """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
     target, panel = pairs
     degree = max(panels.surface.degrees)
-    reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
+    orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
     centres, radii = panels.sphere
-    away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0)
-    far = away > (reach + radii)[panel]
-    lowest = tensor_nodes(panels, quadrature.orders(degree)[0])
-    _middle(kernel, panels, lowest, targets, target[far], panel[far], sink)
-    close = _Close.of(panels, patch, targets, quadrature, target[~far], panel[~far])
+    away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0) - radii[panel]
+    ratio = away / panels.lengths[panel]
+    level = np.sum([ratio < quadrature.reach(order, degree) for order in orders], axis=0)
+    for k, order in enumerate(orders):
+        here, nodes = level == k, tensor_nodes(panels, order)
+        _middle(kernel, panels, nodes, targets, target[here], panel[here], sink)
+    rest = level == len(orders)
+    close = _Close.of(panels, patch, targets, quadrature, target[rest], panel[rest])
     for k, order in enumerate(close.orders):
         _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
     _near(kernel, panels, targets, close, quadrature, sink)

@@ -125,7 +125,7 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
             result[i, rows[k]] += total
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def add_block(rows, first_u, first_v, values, entries):
     """Add values (entries, R, i, j) to ``entries`` (entries, T, n_u, n_v)."""
     for k in range(len(rows)):
@@ -136,7 +136,7 @@ def add_block(rows, first_u, first_v, values, entries):
                     into[j] += values[e, k, i, j]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def add_entries(rows, first_u, first_v, values, entries):
     """Add values (pairs, entries, i, j) to ``entries`` (entries, T, n_u, n_v)."""
     for k in range(len(rows)):
