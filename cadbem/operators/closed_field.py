@@ -17,6 +17,7 @@ from cadbem.closed_points import collocation_grid
 from cadbem.kernels.kernel import Index, Sums
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.closed import ClosedLayers
+from cadbem.operators.equivalent import Sources
 from cadbem.operators.gather import NearTable
 from cadbem.points import area_vector, dual_tangents
 from cadbem.quadrature.closed import PolarRule
@@ -25,6 +26,11 @@ from cadbem.spline.closed import ClosedSpline, unit_parameters, unit_point
 
 NEWTON_STEPS = 20
 ARRIVED = 1e-12  # angle
+
+
+def even_sources(layers: ClosedLayers, single: Array | None, double: Array | None) -> Sources:
+    """The even grid's nodes with densities as in ``OffSurface.apply``."""
+    return _Field(layers, single, double).sources
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +47,7 @@ class OffSurface:
         """
         result = np.zeros(self.points.shape)
         field = _Field(self.layers, single, double)
-        field.add_far(self.points, result)
+        field.sources.add_to(self.points, result)
         for k, window in zip(self._close, self._windows, strict=True):
             result[:, k] += field.near(window)
         return result
@@ -171,21 +177,20 @@ class _Field:
         ]
 
     @cached_property
+    def sources(self) -> Sources:
+        """The even grid's nodes."""
+        weights = self.layers.operator.weights
+        single, double = self._densities
+        if single is not None:
+            single = single * weights
+        position = np.ascontiguousarray(self.layers.points.position)
+        return Sources(position, single, self.layers.area * weights, double)
+
+    @cached_property
     def _tables(self) -> tuple[Array, Array]:
         """Densities as splines and as values, for ``gather``."""
         present = np.concatenate([d for d in self._densities if d is not None])
         return self.layers.operator.padded(present), self.layers.operator.on_rows(present)
-
-    def add_far(self, points: Array, out: Array) -> None:
-        """Add the even grid's sums to ``out`` (dim, M)."""
-        weights = self.layers.operator.weights
-        position = np.ascontiguousarray(self.layers.points.position)
-        single, double = self._densities
-        if single is not None:
-            self._sums.single(points, position, single * weights, out)
-        if double is not None:
-            zero = np.zeros_like(out)
-            self._sums.double(points, zero, position, self.layers.area * weights, double, out)
 
     def near(self, window: Window) -> Array:
         """What a window around the nearest point changes: (dim,)."""

@@ -72,10 +72,13 @@ class Exchange:
         """Numbers of the points at which a body must be asked itself."""
         return self._parts[body][0]
 
-    def apply(self, sources: Sequence[Sources | None]) -> Array:
-        """What bodies make far away, ∫ G q dS + ∫ u·T·n dS (dim, M), and nothing near them."""
+    def apply(self, bodies: Iterable[int], sources: Callable[[int], Sources]) -> Array:
+        """What ``bodies`` (their numbers) make far away, ∫ G q dS + ∫ u·T·n dS (dim, M), zero at
+        points near them; ``sources`` gives the nodes of each."""
         out = np.zeros(self.points.shape)
-        present = np.array([s is not None for s in sources]) & self._sending
+        present = np.zeros(len(self.balls), dtype=bool)
+        present[list(bodies)] = True
+        present &= self._sending
         if not present.any():
             return out
         sent = self._send(sources, present)
@@ -88,12 +91,11 @@ class Exchange:
             out[:, self._parts[i][1]] += part
         return out
 
-    def _send(self, sources: Sequence[Sources | None], present: Flags) -> _Sent:
+    def _send(self, sources: Callable[[int], Sources], present: Flags) -> _Sent:
         """Equivalent sources of each body that is present and can be seen from afar."""
 
         def strengths(i: int) -> tuple[list[Array], float]:
-            body = sources[i]
-            assert body is not None
+            body = sources(i)
             finest, *others = self.expansions
             first = finest.equivalent(body.seen_in(self.balls[i]))
             return [first, *(e.lowered(finest, first) for e in others)], body.flux

@@ -27,10 +27,10 @@ def velocity_at(
     """
     position = np.ascontiguousarray(points, dtype=float)
     meeting = Meeting(surroundings, tuple(bodies))
-    at_walls = meeting.velocity_at_walls([r.densities for r in responses])
+    densities = [r.densities for r in responses]
+    at_walls = meeting.velocity_at_walls(densities)
     total = surroundings.at(position).velocity(at_walls)
-    for body, response in zip(bodies, responses, strict=True):
-        total = total + body.seen_from(position).velocity(response.densities)
+    total = total + meeting.made_at(position, densities)
     for body, response in zip(bodies, responses, strict=True):
         inside = body.distance(position) < 0
         total[:, inside] = body.inner_velocity(response, position[:, inside], total[:, inside])
