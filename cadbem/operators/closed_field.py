@@ -17,15 +17,13 @@ from cadbem.closed_points import collocation_grid
 from cadbem.kernels.kernel import Index, Sums
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.closed import ClosedLayers
+from cadbem.operators.closed_nearest import nearest_points
 from cadbem.operators.equivalent import Sources
 from cadbem.operators.gather import NearTable
 from cadbem.points import area_vector, dual_tangents
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline, unit_parameters, unit_point
-
-NEWTON_STEPS = 20
-ARRIVED = 1e-12  # angle
 
 
 def even_sources(layers: ClosedLayers, single: Array | None, double: Array | None) -> Sources:
@@ -79,42 +77,6 @@ def too_close(layers: ClosedLayers, points: Array) -> Array:
     reach = spacing * (0.5 - np.log(rule.tolerance) / (2 * np.pi))
     distance, nearest = cKDTree(nodes.position.T).query(points.T)
     return distance < reach[nearest]
-
-
-def nearest_points(spline: ClosedSpline, points: Array) -> Array:
-    """Parameters (p, M) of the surface points nearest to points (dim, M).
-
-    From the nearest collocation point, Gauss-Newton steps on the unit circle or sphere; far
-    outside they are shortened, where the surface curves away from the point.
-    """
-    if not points.size:
-        return np.zeros((spline.dimension - 1, 0))
-    known = collocation_grid(spline.basis).points(spline)
-    distance, start = cKDTree(known.position.T).query(points.T)
-    damping = 1 / (1 + distance * np.abs(known.curvature).max())
-    at = spline.basis.parameters()[:, start]
-    for _ in range(NEWTON_STEPS):
-        tangents, frame = _tangents(spline, at)
-        duals = np.stack(dual_tangents(*tangents))
-        step = np.einsum("acn,cn->an", duals, points - spline.evaluate(at))
-        length = np.linalg.norm(step, axis=0)
-        step *= np.minimum(damping, 0.5 / np.maximum(length, 1e-300))
-        at = unit_parameters(unit_point(*at) + np.einsum("an,acn->cn", step, frame))
-        if length.max() < ARRIVED:
-            break
-    return at
-
-
-def signed_distance(spline: ClosedSpline, points: Array) -> Array:
-    """Distance (M,) of points (dim, M) from a closed curve or surface, negative inside."""
-    foot = nearest_points(spline, points)
-    # away from the poles, where the parameters' derivatives vanish but the normal does not turn
-    if spline.dimension == 3:
-        foot = np.stack([np.clip(foot[0], 1e-6, np.pi - 1e-6), foot[1]])
-    units = np.eye(len(foot), dtype=int)
-    normal = area_vector(*(spline.evaluate(foot, tuple(unit)) for unit in units))
-    way = points - spline.evaluate(foot)
-    return np.linalg.norm(way, axis=0) * np.where((way * normal).sum(axis=0) < 0, -1.0, 1.0)
 
 
 def _tangents(spline: ClosedSpline, at: Array) -> tuple[Array, Array]:

@@ -10,7 +10,8 @@ import numpy as np
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.closed import ClosedLayers, closed_operator
-from cadbem.operators.closed_field import OffSurface, even_sources, signed_distance
+from cadbem.operators.closed_field import OffSurface, even_sources
+from cadbem.operators.closed_nearest import signed_distance
 from cadbem.operators.equivalent import Sources
 from cadbem.quadrature.closed import SelfRule
 from cadbem.spline.basis import Array
