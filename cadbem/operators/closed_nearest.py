@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from math import atan2, cos, hypot, pi, sin
 
 import numpy as np
-from numba import njit
 from scipy.spatial import cKDTree
 
 from cadbem.closed_points import collocation_grid
+from cadbem.compiled import compiled
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 
@@ -63,7 +63,7 @@ def signed_distance(spline: ClosedSpline, points: Array) -> Array:
     return np.linalg.norm(way, axis=0) * np.where(inside, -1.0, 1.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _fill(degree, count, angle, values, slopes):
     """Uniform B-splines around an angle and their derivatives; returns the first one's number."""
     step = 2.0 * pi / count
@@ -83,7 +83,7 @@ def _fill(degree, count, angle, values, slopes):
     return span - degree
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _add(net, row, first, values, factor, out):
     """Add factor Σ values_k net[row, first + k] to a vector."""
     columns = net.shape[1]
@@ -93,7 +93,7 @@ def _add(net, row, first, values, factor, out):
             out[c] += factor * values[k] * net[row, column, c]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _feet_on_curve(points, degree, net, damping, at, foot, normal):
     values, slopes = np.empty(degree + 1), np.empty(degree + 1)
     x, tangent = np.empty(2), np.empty(2)
@@ -113,7 +113,7 @@ def _feet_on_curve(points, degree, net, damping, at, foot, normal):
         normal[0, m], normal[1, m] = tangent[1], -tangent[0]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _feet_on_surface(points, degree, net, damping, at, foot, normal):
     values, slopes = np.empty((2, degree + 1)), np.empty((2, degree + 1))
     x, south, east = np.empty(3), np.empty(3), np.empty(3)
@@ -149,7 +149,7 @@ def _feet_on_surface(points, degree, net, damping, at, foot, normal):
             normal[c, m] = south[i] * east[j] - south[j] * east[i]
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _moved(theta, phi, south, east):
     """Colatitude and longitude after a step from a point of the unit sphere in its tangent plane."""
     radial = sin(theta) + south * cos(theta)

@@ -146,7 +146,9 @@ class Exchange:
         ``OWN`` if it belongs to that body."""
         ways = np.full((len(self.balls), len(self.clouds)), NEAR)
         owners = np.array([cloud.owner for cloud in self.clouds], dtype=np.int64)
-        centres = np.array([ball.centre for ball in self._around]).reshape(len(self.clouds), -1)
+        if not len(self.clouds):
+            return ways
+        centres = np.array([ball.centre for ball in self._around])
         radii = np.array([max(ball.radius, 1e-300) for ball in self._around])
         for i, ball in enumerate(self.balls):
             apart = np.linalg.norm(centres - ball.centre, axis=1)
