@@ -22,6 +22,7 @@ from cadbem.operators.exchange import Cloud, Exchange, clouds_of, in_turns
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import NOTHING, Densities, Equation, Placed, Push, Seen
 from cadbem.suspension.closeness import Contact, StopAtGap, push
+from cadbem.suspension.crowd import Crowd
 from cadbem.suspension.droplet import PlacedDroplet
 from cadbem.suspension.interface import Jump
 from cadbem.suspension.surroundings import Incident, Surroundings
@@ -110,7 +111,11 @@ class Meeting:
         return _System(self, equations).responses()
 
     def _push(self, number: int) -> Push | None:
-        return push(self.surroundings, self.bodies, number, self.contact)
+        return push(self.surroundings, self._crowd, number, self.contact)
+
+    @cached_property
+    def _crowd(self) -> Crowd:
+        return Crowd(self.bodies)
 
     def velocity_at_walls(self, densities: Sequence[Densities]) -> Array:
         """What bodies make at the walls' points (dim, W)."""
