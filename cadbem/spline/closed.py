@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -239,8 +239,11 @@ class ClosedBasis:
         return bases
 
 
+@lru_cache(maxsize=32)
 def round_basis(dimension: int, points: int, degree: int) -> ClosedBasis:
-    """A basis of about ``points`` points; on a sphere twice as many around as between poles."""
+    """A basis of about ``points`` points; on a sphere twice as many around as between poles.
+
+    Kept, as are its tables, which many droplets share."""
     if dimension == 2:
         return ClosedBasis(degree, (points,))
     rows = round(np.sqrt(points / 2))
