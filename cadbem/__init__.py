@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
     from cadbem.extension import extended as extended
+    from cadbem.operators.equivalent import FarField as FarField
     from cadbem.post import Frame as Frame
     from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_around as draw_around
@@ -132,6 +133,7 @@ _NAMES = {
         "ShapeError",
     ),
     "extension": ("extended",),
+    "operators.equivalent": ("FarField",),
     "post": (
         "Frame",
         "bezier_grid",

@@ -151,7 +151,7 @@ def _feet_on_surface(points, degree, net, damping, at, foot, normal):
 
 @compiled
 def _moved(theta, phi, south, east):
-    """Colatitude and longitude after a step from a point of the unit sphere in its tangent plane."""
+    """Colatitude and longitude after a step in the tangent plane of the unit sphere."""
     radial = sin(theta) + south * cos(theta)
     x = radial * cos(phi) - east * sin(phi)
     y = radial * sin(phi) + east * cos(phi)

@@ -17,6 +17,7 @@ from functools import cached_property, lru_cache
 from math import ceil, exp
 
 import numpy as np
+from scipy.linalg import pinv
 
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.kernels.stokes_sums import stokes_sums
@@ -115,7 +116,7 @@ class Expansion:
     @cached_property
     def _matrix(self) -> Array:
         """From velocities at the outer points to Stokeslets, both flat: (dim E, dim C)."""
-        return np.linalg.pinv(_stokeslets(self.outer, self.inner), rcond=RANK)
+        return pinv(_stokeslets(self.outer, self.inner), rtol=RANK)
 
     def outgoing(self, velocity: Array) -> Array:
         """Stokeslets (dim, E) at the inner points of a velocity (dim, C) at the outer ones."""

@@ -27,7 +27,8 @@ CLOUD = 128  # points of a cloud, at most
 NEAR, OWN = -1, -2
 
 Flags = NDArray[np.bool_]
-Item, Result = TypeVar("Item"), TypeVar("Result")
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,7 +86,7 @@ class Exchange:
         received = in_turns(lambda j: self._receive(j, sent), range(len(self.clouds)))
         for cloud, part in zip(self.clouds, received, strict=True):
             out[:, cloud.numbers] = part
-        parted = [i for i in np.nonzero(present)[0] if len(self._parts[i][1])]
+        parted = [i for i in np.nonzero(present)[0].tolist() if len(self._parts[i][1])]
         parts = in_turns(lambda i: self._at(self._parts[i][1], sent.of(0, [i])), parted)
         for i, part in zip(parted, parts, strict=True):
             out[:, self._parts[i][1]] += part
@@ -100,7 +101,7 @@ class Exchange:
             first = finest.equivalent(body.seen_in(self.balls[i]))
             return [first, *(e.lowered(finest, first) for e in others)], body.flux
 
-        numbers = np.nonzero(present)[0]
+        numbers = np.nonzero(present)[0].tolist()
         fluxes = np.zeros(len(present))
         made = [np.zeros_like(p) for p in self._places]
         for i, (parts, flux) in zip(numbers, in_turns(strengths, numbers), strict=True):

@@ -46,11 +46,11 @@ class Crowd:
     def nearest(self, number: int, reach: float) -> tuple[float, int]:
         """The narrowest gap of a body to another, and which; inf beyond reach."""
         best, which = float("inf"), -1
-        for other in np.argsort(self._apart[number]):
+        for other in np.argsort(self._apart[number]).tolist():
             if self._apart[number, other] > min(best, reach):
                 break
             if other != number and (length := self.between(number, other, reach)) < best:
-                best, which = length, int(other)
+                best, which = length, other
         return best, which
 
     def between(self, number: int, other: int, reach: float) -> float:
@@ -68,7 +68,7 @@ class Crowd:
     def gaps(self, number: int, points: Array, reach: float) -> Array:
         """Distances (M,) of points (dim, M) of one body from the others, inf beyond reach."""
         gaps = np.full(points.shape[1], np.inf)
-        for other in np.nonzero(self._apart[number] < reach)[0]:
+        for other in np.nonzero(self._apart[number] < reach)[0].tolist():
             near = self._from_ball(points, other) < reach
             if other != number and near.any():
                 distance = self.bodies[other].distance(points[:, near])

@@ -11,6 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 from cadbem.errors import ConditionError, ShapeError
+from cadbem.operators.equivalent import FarField
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import Body, Placed
@@ -44,8 +45,9 @@ class Simulation:
 
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
-    ``contact`` says what happens in narrow gaps.  Bodies that reach an opening of the channel have
-    left and are taken out; the run ends with the last.
+    ``contact`` says what happens in narrow gaps; ``far`` how bodies see each other and walls from
+    afar (None: by direct sums).  Bodies that reach an opening of the channel have left and are
+    taken out; the run ends with the last.
     """
 
     flow: Surroundings
@@ -56,6 +58,7 @@ class Simulation:
     mesh: RelaxMesh | None = None
     rule: SelfRule = PolarRule()
     contact: Contact = StopAtGap()
+    far: FarField | None = FarField()
 
     @cached_property
     def start(self) -> State:
@@ -70,7 +73,7 @@ class Simulation:
 
     def respond(self, placed: Sequence[Placed], guess: Sequence[Array]) -> list[Any]:
         """The response of each body."""
-        return respond_together(self.flow, placed, self.contact, guess)
+        return respond_together(self.flow, placed, self.contact, guess, self.far)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
