@@ -39,7 +39,8 @@ def test_error_falls_exponentially_with_the_order(dimension):
     exact = np.zeros_like(far)
     body.add_to(far, exact)
     inside = np.ascontiguousarray(directions(dimension, 200) * 0.99)
-    outside = Sources(np.ascontiguousarray(2.5 * directions(dimension, 20, 1)), np.ones((dimension, 20)))
+    beyond = np.ascontiguousarray(2.5 * directions(dimension, 20, 1))
+    outside = Sources(beyond, np.ones_like(beyond))
     felt = np.zeros_like(inside)
     outside.add_to(inside, felt)
     orders, errors = np.arange(4, 13, 2), []
@@ -81,7 +82,7 @@ def test_a_shell_of_force_and_a_shell_of_sources():
     shape = body.layers.spline.coefficients
     density = np.broadcast_to(force[:, None, None] / area, shape.shape)
     source = body.sources((density, (shape - centre[:, None, None]) / radius))
-    reach = np.random.default_rng(0).uniform(1.0, 3.5, 3000)
+    reach = np.random.default_rng(0).uniform(0.4, 3.5, 3000)
     points = centre[:, None] + radius * np.exp(reach) * directions(3, 3000)
     ball = ball_around(source.position)
     exchange = Exchange(cb.FarField().expansions(3), [ball] * 3, points, clouds_of(points))
@@ -90,7 +91,7 @@ def test_a_shell_of_force_and_a_shell_of_sources():
     exact = shell_flow(force, radius, arm)
     exact += 2 * area * arm / np.linalg.norm(arm, axis=0) ** 3
     seen = np.setdiff1d(np.arange(3000), exchange.near(1))
-    assert len(seen) > 2900 and not exchange.near(1).size == 0
+    assert 2000 < len(seen) < 2900
     assert np.abs(found - exact)[:, seen].max() < 1e-6 * np.abs(exact).max() * np.e
     assert not found[:, exchange.near(1)].any()
 
@@ -124,17 +125,17 @@ def suspension(dimension: int, ratio: float) -> list:
 
 @pytest.mark.parametrize("dimension, ratio", [(2, 5.0), (3, 1.0), (3, 5.0)])
 def test_many_bodies_against_direct_sums(dimension, ratio):
-    """All unknowns to a few times the far fields' tolerance, at default and finer ones."""
+    """All velocities to a few times the far fields' tolerance, relative to the fastest."""
     placed = [b.placed(cb.PolarRule()) for b in suspension(dimension, ratio)]
     flow = cb.FreeFlow(cb.shear(dimension=dimension))
 
-    def unknowns(far):
-        return np.concatenate([r.unknown.ravel() for r in respond_together(flow, placed, far=far)])
+    def velocities(far):
+        return np.concatenate([r.velocity.ravel() for r in respond_together(flow, placed, far=far)])
 
-    exact = unknowns(None)
+    exact = velocities(None)
     for tolerance in (1e-4, 1e-6, 1e-8):
-        error = np.abs(unknowns(cb.FarField(tolerance)) - exact).max() / np.abs(exact).max()
-        assert error < 5 * tolerance
+        error = np.abs(velocities(cb.FarField(tolerance)) - exact).max() / np.abs(exact).max()
+        assert 0 < error < 2 * tolerance
 
 
 def test_clouds():

@@ -115,8 +115,12 @@ class Expansion:
 
     @cached_property
     def _matrix(self) -> Array:
-        """From velocities at the outer points to Stokeslets, both flat: (dim E, dim C)."""
-        return pinv(_stokeslets(self.outer, self.inner), rtol=RANK)
+        """From velocities at the outer points to Stokeslets, both flat: (dim E, dim C).
+
+        Stokeslets along the normals make next to nothing outside, and are left out."""
+        matrix = _stokeslets(self.outer, self.inner)
+        normal = self.inner.ravel() / np.linalg.norm(self.inner)
+        return pinv(matrix - np.outer(matrix @ normal, normal), rtol=RANK)
 
     def outgoing(self, velocity: Array) -> Array:
         """Stokeslets (dim, E) at the inner points of a velocity (dim, C) at the outer ones."""
