@@ -55,8 +55,11 @@ def clouds_of(points: Array, first: int = 0) -> list[Cloud]:
 
 def in_turns(task: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
     """Results of a task for each item, on all cores."""
+    todo = list(items)
+    if len(todo) < 2:
+        return [task(item) for item in todo]
     with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(task, items))
+        return list(pool.map(task, todo))
 
 
 @dataclass(frozen=True, eq=False)

@@ -117,8 +117,12 @@ class ClosedBasis:
         """Coefficients or values continued over the poles to a full turn of the colatitude."""
         if len(self.shape) == 1:
             return array
-        beyond = np.roll(array[..., ::-1, :], array.shape[-1] // 2, axis=-1)
-        return np.concatenate([array, beyond], axis=-2)
+        rows, half = array.shape[-2], array.shape[-1] // 2
+        full = np.empty((*array.shape[:-2], 2 * rows, array.shape[-1]), array.dtype)
+        full[..., :rows, :] = array
+        full[..., rows:, :half] = array[..., ::-1, half:]
+        full[..., rows:, half:] = array[..., ::-1, :half]
+        return full
 
     def folded(self, array: Array) -> Array:
         """The transpose of ``doubled``: what lies beyond the poles is added where it belongs."""

@@ -145,8 +145,13 @@ class Simulation:
         drifts = [b.drift(start) for b, start in self._with_starts(moved)]
         return replace(
             self._repaired(moved, self.mesh), time=old.time + length, steps=old.steps + 1,
-            evaluations=evaluations, length=length, drift=max(drifts, key=abs),
+            evaluations=evaluations + self._needs_slope(step.slope), length=length,
+            drift=max(drifts, key=abs),
         )  # fmt: skip
+
+    def _needs_slope(self, slope: Array | None) -> bool:
+        """Whether the slope at a step's end must be worked out for the next step."""
+        return slope is None or self.mesh is not None
 
     def _accept(self, old: State, after: State, slope: Array | None) -> _Point:
         """The point after a step; the old one, stopped, if it is not sound.
@@ -163,8 +168,7 @@ class Simulation:
             left = old.left | leaving
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
-        if slope is None or self.mesh is not None:
-            after = replace(after, evaluations=after.evaluations + 1)
+        if slope is None or self._needs_slope(slope):
             return _Point(after, self.slope(after))
         return _Point(after, slope)
 

@@ -230,9 +230,8 @@ class _System:
             unknowns[i] = np.ascontiguousarray(w)
         felt = self._felt(unknowns, self._coupled)
         active = [self.equations[i] for i in self._coupled]
-        return [
-            e.apply(w) - e.answer(v) for e, w, v in zip(active, values, felt, strict=True)
-        ]
+        own = in_turns(lambda pair: pair[0].apply(pair[1]), zip(active, values, strict=True))
+        return [w - e.answer(v) for e, w, v in zip(active, own, felt, strict=True)]
 
     def _iterate(self, rights: Sequence[Array]) -> tuple[list[Array], int]:
         residuals: list[float] = []
