@@ -182,6 +182,11 @@ class _System:
         """Bodies whose fields depend on their unknowns."""
         return tuple(i for i in self._all if self.equations[i].couples)
 
+    @property
+    def _rest(self) -> Numbers:
+        """Bodies that only need to be asked."""
+        return tuple(i for i in self._all if i not in self._coupled)
+
     def responses(self) -> list[Any]:
         """Solve, and tell each body what became of it."""
         unknowns, iterations = self._rights(), 0
@@ -189,8 +194,7 @@ class _System:
             found, iterations = self._iterate([unknowns[i] for i in self._coupled])
             for i, w in zip(self._coupled, found, strict=True):
                 unknowns[i] = w
-            rest = tuple(i for i in self._all if i not in self._coupled)
-            for i, felt in zip(rest, self._felt(unknowns, rest), strict=True):
+            for i, felt in zip(self._rest, self._felt(unknowns, self._rest), strict=True):
                 unknowns[i] = unknowns[i] + self.equations[i].answer(felt)
         pairs = zip(self.equations, unknowns, strict=True)
         return [e.response(w, iterations) for e, w in pairs]
@@ -200,13 +204,12 @@ class _System:
         loads = [e.load for e in self.equations]
         sources = tuple(i for i in self._all if loads[i] is not NOTHING)
         walls, felt = self.meeting.made(loads, sources, self._all)
-        incident = self.meeting.incident(self._all).velocity(walls if sources else None)
-        return [
-            e.start + e.answer(part + made)
-            for e, part, made in zip(
-                self.equations, self._split(incident, self._all), felt, strict=True
-            )
-        ]
+        rights = [e.start for e in self.equations]
+        for group in filter(None, (self._coupled, self._rest)):
+            incident = self.meeting.incident(group).velocity(walls if sources else None)
+            for i, part in zip(group, self._split(incident, group), strict=True):
+                rights[i] = rights[i] + self.equations[i].answer(part + felt[i])
+        return rights
 
     def _felt(self, unknowns: Sequence[Array], receivers: Numbers) -> list[Array]:
         """Velocities (dim, N) at receivers' targets that the unknowns of coupled bodies bring."""
