@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
     from cadbem.extension import extended as extended
+    from cadbem.operators.equivalent import FarField as FarField
     from cadbem.operators.storage import Compressed as Compressed
     from cadbem.operators.storage import Dense as Dense
     from cadbem.post import Frame as Frame
@@ -134,6 +135,7 @@ _NAMES = {
         "ShapeError",
     ),
     "extension": ("extended",),
+    "operators.equivalent": ("FarField",),
     "post": (
         "Frame",
         "bezier_grid",
