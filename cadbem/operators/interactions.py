@@ -48,7 +48,8 @@ class Targets:
 
     def part(self, chosen: slice) -> Targets:
         """Some of the targets."""
-        return Targets(self.position[:, chosen], self.owner[chosen], self.parameters[:, chosen])
+        position = np.ascontiguousarray(self.position[:, chosen])
+        return Targets(position, self.owner[chosen], self.parameters[:, chosen])
 
 
 def interact(
