@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from functools import partial
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
@@ -46,7 +47,8 @@ def warm_up(progress: bool = True) -> str | None:
             bar.set_description(f"compiling for {name}")
             step()
             bar.update()
-    paths = [function.stats.cache_path for function in (STOKES_3D.fill, closest_on_panels)]
+    functions: tuple[Any, ...] = STOKES_3D.fill, closest_on_panels
+    paths = [function.stats.cache_path for function in functions]
     return None if None in paths else os.path.commonpath(paths)
 
 
