@@ -16,6 +16,7 @@ import platform
 import re
 import subprocess
 import sys
+import tempfile
 from datetime import date
 from importlib.metadata import version
 from pathlib import Path
@@ -61,17 +62,12 @@ def measured(name: str) -> str:
     """The tables of one benchmark, from a process of its own; printed while it runs."""
     libraries = ("OPENBLAS", "OMP", "MKL", "VECLIB_MAXIMUM")
     environment = os.environ | {f"{library}_NUM_THREADS": "1" for library in libraries}
-    command = [sys.executable, "-m", f"benchmarks.{name}"]
-    lines = []
-    with subprocess.Popen(
-        command, stdout=subprocess.PIPE, text=True, env=environment, cwd=FOLDER.parent
-    ) as process:
-        for line in process.stdout or ():
-            print(line, end="", flush=True)
-            lines.append(line)
-    if process.returncode:
-        sys.exit(f"benchmark '{name}' failed; the tables of others are kept")
-    return "".join(lines).strip()
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "tables.md")  # what libraries print is not wanted
+        command = [sys.executable, "-m", "benchmarks.table", name, str(file)]
+        if subprocess.run(command, env=environment, cwd=FOLDER.parent).returncode:
+            sys.exit(f"benchmark '{name}' failed; the tables of others are kept")
+        return file.read_text().strip()
 
 
 def keep(page: Path, name: str, text: str) -> None:

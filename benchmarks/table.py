@@ -8,6 +8,8 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -32,6 +34,13 @@ def show(tables: Iterable[Table]) -> None:
         print(table.markdown(), flush=True)
 
 
+def write(name: str, path: Path) -> None:
+    """Run a benchmark, print its tables, and write them to a file."""
+    tables = import_module(f"benchmarks.{name}").tables()
+    show(tables)
+    path.write_text("\n".join(table.markdown() for table in tables))
+
+
 def fresh(module: str, *words: str, **environment: str) -> dict[str, float]:
     """Numbers that `python -m benchmarks.MODULE WORDS` prints last, as JSON."""
     command = [sys.executable, "-m", f"benchmarks.{module}", *words]
@@ -45,3 +54,7 @@ def least(rounds: Iterable[dict[str, float]]) -> dict[str, float]:
     """The smallest of each number over several rounds."""
     kept = list(rounds)
     return {key: min(numbers[key] for numbers in kept) for key in kept[0]}
+
+
+if __name__ == "__main__":
+    write(sys.argv[1], Path(sys.argv[2]))
