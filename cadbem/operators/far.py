@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Index, Kernel
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
@@ -13,6 +14,10 @@ from cadbem.spline.basis import Array
 
 TABLE = 8192  # pairs a table, to stay in cache
 STRIP = 4  # panels side by side in one matrix product
+TARGETS = 64  # at a time: what neighbouring panels add to them stays in cache
+FEW = 8  # targets that are not worth an order of their own
+
+Levels = NDArray[np.int8]
 
 
 def far_field(
@@ -20,7 +25,7 @@ def far_field(
     panels: Panels,
     position: Array,
     orders: Sequence[int],
-    level: Index,
+    level: Levels,
     sink: Sink,
 ) -> None:
     """Add what panels do to targets at ``position`` (dim, T) to ``sink``.
@@ -29,15 +34,13 @@ def far_field(
     pairs beyond them are left out.  Panels side by side share the highest order any of them needs.
     """
     beyond = len(orders)
-    for a, strip in _strips(panels):
-        levels = level.reshape(-1, *panels.shape)[:, a, strip]
-        highest = np.where(levels < beyond, levels, -1).max(axis=1)
-        for k, order in enumerate(orders):
-            rows = np.flatnonzero(highest == k)
-            if len(rows):
-                left_out = levels[rows] == beyond
-                nodes = tensor_nodes(panels, order)
-                _strip(kernel, panels, nodes, a, strip, position, rows, left_out, sink)
+    grid = level.reshape(-1, *panels.shape)
+    for low in range(0, len(grid), TARGETS):
+        for a, strip in _strips(panels):
+            levels = grid[low : low + TARGETS, a, strip]
+            for k, rows in _by_order(levels, beyond):
+                nodes, left_out = tensor_nodes(panels, orders[k]), levels[rows] == beyond
+                _strip(kernel, panels, nodes, a, strip, position, low + rows, left_out, sink)
 
 
 def _strips(panels: Panels) -> Iterator[tuple[int, slice]]:
@@ -45,6 +48,18 @@ def _strips(panels: Panels) -> Iterator[tuple[int, slice]]:
     for a in range(rows):
         for start in range(0, columns, STRIP):
             yield a, slice(start, min(start + STRIP, columns))
+
+
+def _by_order(levels: Levels, beyond: int) -> Iterator[tuple[int, Index]]:
+    """Orders that a strip needs, each with its targets."""
+    highest = np.where(levels < beyond, levels, -1).max(axis=1)
+    last = highest.max()
+    for k in range(last + 1):
+        rows = np.flatnonzero(highest == k)
+        if len(rows) <= FEW and k < last:
+            highest[rows] = k + 1
+        else:
+            yield k, rows
 
 
 def _strip(
@@ -55,7 +70,7 @@ def _strip(
     strip: slice,
     position: Array,
     rows: Index,
-    left_out: Array,
+    left_out: NDArray[np.bool_],
     sink: Sink,
 ) -> None:
     """One strip with those targets that need the order of ``nodes``."""
@@ -65,8 +80,7 @@ def _strip(
     room = np.empty(kernel.entries * count * source.shape[1])
     for low in range(0, len(rows), count):
         here = rows[low : low + count]
-        at = np.ascontiguousarray(position[:, here])
-        table = kernel.block(at, source, normal, room)
+        table = kernel.block(position[:, here], source, normal, room)
         target, panel = np.nonzero(left_out[low : low + count])
         if len(target):
             by_panel = table.reshape(kernel.entries, len(here), left_out.shape[1], -1)
