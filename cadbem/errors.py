@@ -27,3 +27,7 @@ class DisplayError(CadbemError):
 
 class ShapeError(CadbemError):
     """A droplet's or particle's shape, or what became of it."""
+
+
+class SolverError(CadbemError):
+    """An iteration did not converge."""

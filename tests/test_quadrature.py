@@ -12,7 +12,8 @@ from cadbem.operators.panels import split_patch, tensor_nodes
 from cadbem.points import surface_points
 from cadbem.quadrature import Quadrature, UniformSubdivision, near
 from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit
-from cadbem.quadrature.panels import closest_on_panels
+from cadbem.quadrature.panels import closest_on_panels, open_squares
+from cadbem.quadrature.polar import collapsed_sides
 from cadbem.quadrature.uniform import subdivided_nodes, triangle_nodes
 from cadbem.spline.shapes import sphere_octants
 
@@ -31,7 +32,7 @@ def near_rule(surface, target, tolerance, own=None):
     closest = np.empty((3, len(nets)))
     u, v, samples = panels.samples
     x = np.asarray(target, dtype=float).reshape(3, 1)
-    closest_on_panels(x, 0 * index, index, nets, u, v, samples, closest)
+    closest_on_panels(x, 0 * index, index, nets, open_squares(nets), u, v, samples, closest)
     if own is not None:
         closest[:, 0] = *own, 0.0
     p, q = surface.degrees
@@ -40,8 +41,8 @@ def near_rule(surface, target, tolerance, own=None):
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((3, len(nets)))
     done = near.place_nodes(
-        nets, index, 0, *closest, tolerance, 0 * index, 0, near.gauss_table(),
-        starts, foot, position, normal, weight, bu, bv,
+        nets, collapsed_sides(nets), index, 0, *closest, tolerance, None, 0, near.gauss_table(),
+        starts, foot, None, position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)
     owner = np.repeat(index, np.diff(starts))

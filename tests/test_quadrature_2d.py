@@ -8,7 +8,7 @@ import pytest
 from cadbem.operators.panels import split_patch
 from cadbem.quadrature import near
 from cadbem.quadrature.gauss import log_unit
-from cadbem.quadrature.panels import closest_on_panels
+from cadbem.quadrature.panels import closest_on_panels, open_squares
 from cadbem.spline.outlines import circle, line
 
 TOLERANCES = (1e-6, 1e-10)
@@ -24,7 +24,7 @@ def near_rule(panels, target, tolerance, own=None):
     closest = np.empty((3, len(nets)))
     x = np.reshape(target, (2, 1)).astype(float)
     u, v, samples = panels.samples
-    closest_on_panels(x, 0 * index, index, nets, u, v, samples, closest)
+    closest_on_panels(x, 0 * index, index, nets, open_squares(nets), u, v, samples, closest)
     if own is not None:
         closest[:, own[0]] = own[1], 0.0, 0.0
     p, capacity = nets.shape[1] - 1, 10_000
@@ -32,8 +32,8 @@ def near_rule(panels, target, tolerance, own=None):
     bu, bv = np.empty((p + 1, capacity)), np.empty((1, capacity))
     starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((2, len(nets)))
     done = near.place_nodes(
-        nets, index, 0, *closest, tolerance, 0 * index, 0, near.gauss_table(),
-        starts, foot, position, normal, weight, bu, bv,
+        nets, None, index, 0, *closest, tolerance, None, 0, near.gauss_table(),
+        starts, foot, np.empty((p + 1, 2)), position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)
     count, owner = starts[-1], np.repeat(index, np.diff(starts))

@@ -80,8 +80,8 @@ class Kernel:
         return table.reshape(self.entries, count, width)
 
     def rows_of(self, targets: Array, starts: Index, position: Array, normal: Array) -> Array:
-        """Target t with the sources starts[t] ... starts[t + 1] - 1: table (entries, N)."""
-        table = np.empty((self.entries, position.shape[1]))
+        """Target t with the sources starts[t] ... starts[t + 1] - 1: table (entries, starts[T])."""
+        table = np.empty((self.entries, starts[-1]))
         low = starts[:-1]
         self.fill(targets, low, starts[1:], low, position, normal, table)
         return table

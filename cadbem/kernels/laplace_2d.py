@@ -16,12 +16,11 @@ from __future__ import annotations
 
 from math import log, pi
 
-from numba import njit
-
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Kernel
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _potential(targets, starts, stops, columns, position, normal, table):
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]
@@ -37,7 +36,7 @@ def _potential(targets, starts, stops, columns, position, normal, table):
             double[k] = -(rx * nx[k] + ry * ny[k]) / square
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _gradient(targets, starts, stops, columns, position, normal, table):
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]

@@ -20,12 +20,11 @@ from __future__ import annotations
 
 from math import pi, sqrt
 
-from numba import njit
-
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Kernel
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _value(targets, starts, stops, columns, position, normal, table):
     for t in range(targets.shape[1]):
         x, y, z = targets[0, t], targets[1, t], targets[2, t]
@@ -41,7 +40,7 @@ def _value(targets, starts, stops, columns, position, normal, table):
             double[k] = -(rx * nx[k] + ry * ny[k] + rz * nz[k]) * i * i * i
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _gradient(targets, starts, stops, columns, position, normal, table):
     for t in range(targets.shape[1]):
         low, high = starts[t], stops[t]

@@ -18,13 +18,12 @@ from __future__ import annotations
 
 from math import log, pi
 
-from numba import njit
-
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes_sums import SUMS_2D
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _velocity(targets, starts, stops, columns, position, normal, table):
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]
@@ -46,7 +45,7 @@ def _velocity(targets, starts, stops, columns, position, normal, table):
             out[5, k] = stress * yy
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _pressure(targets, starts, stops, columns, position, normal, table):
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]

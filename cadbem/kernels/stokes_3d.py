@@ -16,15 +16,15 @@ from __future__ import annotations
 from math import pi, sqrt
 
 import numpy as np
-from numba import njit
 
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes_sums import SUMS_3D
 
 TILE = 256  # sources at a time, so that what pairs share stays in the nearest cache
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _velocity(targets, starts, stops, columns, position, normal, table):
     r, inverse, cube, stress = np.empty((3, TILE)), np.empty(TILE), np.empty(TILE), np.empty(TILE)
     for t in range(targets.shape[1]):
@@ -56,7 +56,7 @@ def _velocity(targets, starts, stops, columns, position, normal, table):
                     entry += 1
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _pressure(targets, starts, stops, columns, position, normal, table):
     r, cube, stress = np.empty((3, TILE)), np.empty(TILE), np.empty(TILE)
     for t in range(targets.shape[1]):

@@ -12,19 +12,18 @@ from __future__ import annotations
 
 from math import log, pi, sqrt
 
-from numba import njit
-
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Sums
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
+@compiled(fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_3d(rx, ry, rz, qx, qy, qz):
     inverse = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
     along = (rx * qx + ry * qy + rz * qz) * inverse * inverse
     return inverse * (qx + rx * along), inverse * (qy + ry * along), inverse * (qz + rz * along)
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
+@compiled(fastmath=True, error_model="numpy", inline="always")
 def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
     inverse = 1.0 / sqrt(rx * rx + ry * ry + rz * rz)
     squared = inverse * inverse
@@ -33,7 +32,7 @@ def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
     return factor * rx, factor * ry, factor * rz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
+@compiled(fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_2d(rx, ry, qx, qy):
     inverse = 1.0 / (rx * rx + ry * ry)
     logarithm = 0.5 * log(inverse)
@@ -41,14 +40,14 @@ def _stokeslet_2d(rx, ry, qx, qy):
     return logarithm * qx + rx * along, logarithm * qy + ry * along
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy", inline="always")
+@compiled(fastmath=True, error_model="numpy", inline="always")
 def _stresslet_2d(rx, ry, ax, ay, ux, uy):
     inverse = 1.0 / (rx * rx + ry * ry)
     factor = -4.0 * (rx * ux + ry * uy) * (rx * ax + ry * ay) * inverse * inverse
     return factor * rx, factor * ry
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _single_3d(targets, position, density, out):
     px, py, pz = position[0], position[1], position[2]
     qx, qy, qz = density[0], density[1], density[2]
@@ -65,7 +64,7 @@ def _single_3d(targets, position, density, out):
         out[2, t] += sz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _single_near_3d(targets, position, density, out):
     x, y, z = targets[0], targets[1], targets[2]
     for k in range(position.shape[1]):
@@ -80,7 +79,7 @@ def _single_near_3d(targets, position, density, out):
             out[2, t] += vz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _double_3d(targets, offset, position, area, density, out):
     px, py, pz = position[0], position[1], position[2]
     ax, ay, az = area[0], area[1], area[2]
@@ -102,7 +101,7 @@ def _double_3d(targets, offset, position, area, density, out):
         out[2, t] += sz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _double_near_3d(targets, offset, position, area, density, out):
     x, y, z = targets[0], targets[1], targets[2]
     ox, oy, oz = offset[0], offset[1], offset[2]
@@ -120,7 +119,7 @@ def _double_near_3d(targets, offset, position, area, density, out):
             out[2, t] += vz
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _single_2d(targets, position, density, out):
     px, py = position[0], position[1]
     qx, qy = density[0], density[1]
@@ -135,7 +134,7 @@ def _single_2d(targets, position, density, out):
         out[1, t] += sy
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _single_near_2d(targets, position, density, out):
     for k in range(position.shape[1]):
         for t in range(targets.shape[1]):
@@ -145,7 +144,7 @@ def _single_near_2d(targets, position, density, out):
             out[1, t] += vy
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _double_2d(targets, offset, position, area, density, out):
     px, py = position[0], position[1]
     ax, ay = area[0], area[1]
@@ -161,7 +160,7 @@ def _double_2d(targets, offset, position, area, density, out):
         out[1, t] += sy
 
 
-@njit(cache=True, nogil=True, fastmath=True, error_model="numpy")
+@compiled(fastmath=True, error_model="numpy")
 def _double_near_2d(targets, offset, position, area, density, out):
     for k in range(position.shape[1]):
         for t in range(targets.shape[1]):

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numba import njit
 
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Index
 from cadbem.spline.basis import Array
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def gather(spline, first_row, row_values, first_column, column_values, weights,
             grid, grid_rows, grid_columns, corrections, out):  # fmt: skip
     """Weighted fields at the nodes near each of T targets in a row: out (fields, K + K', T).

@@ -79,7 +79,15 @@ def interact_pairs(
     sink: Sink,
 ) -> None:
     """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
-    close = _Close.of(panels, patch, targets, quadrature, *pairs)
+    target, panel = pairs
+    degree = max(panels.surface.degrees)
+    reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
+    centres, radii = panels.sphere
+    away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0)
+    far = away > (reach + radii)[panel]
+    lowest = tensor_nodes(panels, quadrature.orders(degree)[0])
+    _middle(kernel, panels, lowest, targets, target[far], panel[far], sink)
+    close = _Close.of(panels, patch, targets, quadrature, target[~far], panel[~far])
     for k, order in enumerate(close.orders):
         _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
     _near(kernel, panels, targets, close, quadrature, sink)
@@ -216,13 +224,14 @@ def _near(
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     pieces = quadrature.pieces(panels.lengths[close_panel], closest[2])
+    curve, poles = (np.empty((p + 1, dim)), None) if dim == 2 else (None, panels.poles)
     u, v, distance = map(np.ascontiguousarray, closest)
     done = 0
     while done < len(close_target):
         count = near.place_nodes(
-            panels.flat_nets, close_panel, done, u, v, distance,
+            panels.flat_nets, poles, close_panel, done, u, v, distance,
             quadrature.tolerance, pieces, quadrature.order, gauss,
-            starts, foot, position, normal, weight, bu, bv,
+            starts, foot, curve, position, normal, weight, bu, bv,
         )  # fmt: skip
         rows = close_target[done : done + count]
         part = starts[: count + 1]
@@ -231,7 +240,7 @@ def _near(
         if not kernel.invariant:
             here += foot[:, :count]
             position[:, : part[-1]] += np.repeat(foot[:, :count], np.diff(part), axis=1)
-        table = kernel.rows_of(here, part, position[:, : part[-1]], normal[:, : part[-1]])
+        table = kernel.rows_of(here, part, position, normal)
         moments = np.empty((count, kernel.entries, p + 1, q + 1))
         near.moments(part, table, weight, bu, bv, moments)
         _add_moments(panels, rows, close_panel[done : done + count], moments, sink)

@@ -7,12 +7,18 @@ from functools import cached_property
 from math import sqrt
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
+from cadbem.compiled import compiled
 from cadbem.operators.panels import Index, Panels, split_patch
-from cadbem.quadrature.panels import area_vector, closest_on_panels, evaluate_panel, fill_bernstein
+from cadbem.quadrature.panels import (
+    area_vector,
+    closest_on_panels,
+    evaluate_panel,
+    fill_bernstein,
+    open_squares,
+)
 from cadbem.spline.basis import Array
 
 SAME_DISTANCE = 1e-9  # share by which distances of points that are equally near may differ
@@ -41,6 +47,11 @@ class _Family:
 
     numbers: Index
     nets: Array
+
+    @cached_property
+    def squares(self) -> Array:
+        """The panels' ``open_squares``."""
+        return open_squares(self.nets)
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,14 +152,16 @@ class NearestSearch:
             local = np.searchsorted(family.numbers, panel[here])
             found = np.empty((3, len(here)))
             samples = self._samples[family.numbers]
-            closest_on_panels(points, target[here], local, family.nets, u, v, samples, found)
+            closest_on_panels(
+                points, target[here], local, family.nets, family.squares, u, v, samples, found
+            )
             sides = np.empty((len(points) + 1, len(here)))
             _seen_from(points, target[here], local, family.nets, found, sides)
             distance[here], normal[:, here], cosine[here] = found[2], sides[:-1], sides[-1]
         return distance, normal, cosine
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _near_pairs(targets, centres, radii, samples, cover, reach, pairs):
     """Fill ``pairs`` (2, room) with targets and panels that may be nearest; returns how many.
 
@@ -186,7 +199,7 @@ def _near_pairs(targets, centres, radii, samples, cover, reach, pairs):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _seen_from(targets, target_of, panel_of, nets, found, sides):
     """Normals, and the cosine between them and the way to the target, at closest points.
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
-from cadbem.quadrature.panels import closest_on_panels
+from cadbem.quadrature.panels import closest_on_panels, open_squares
+from cadbem.quadrature.polar import collapsed_sides
 from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
@@ -71,6 +72,16 @@ class Panels:
         return centres.T, np.linalg.norm(points - centres[:, None], axis=2).max(axis=1)
 
     @cached_property
+    def open_squares(self) -> Array:
+        """Bounds (E, 4) without sides that are points: see ``open_squares``."""
+        return open_squares(self.flat_nets)
+
+    @cached_property
+    def poles(self) -> Index | None:
+        """Sides that are points: see ``collapsed_sides``."""
+        return collapsed_sides(self.flat_nets)
+
+    @cached_property
     def lengths(self) -> Array:
         """The longer side of each panel: (E,)."""
         grid = self.samples[2].reshape(len(self.flat_nets), *self._sample_counts, -1)
@@ -100,7 +111,9 @@ class Panels:
     def closest(self, position: Array, target: Index, panel: Index) -> Array:
         """Closest points (3, pairs) of pairs: u, v within the panel, distance."""
         result = np.empty((3, len(target)))
-        closest_on_panels(position, target, panel, self.flat_nets, *self.samples, result)
+        target, panel = np.ascontiguousarray(target), np.ascontiguousarray(panel)
+        nets, squares = self.flat_nets, self.open_squares
+        closest_on_panels(position, target, panel, nets, squares, *self.samples, result)
         return result
 
     def locate(self, direction: int, parameter: Array) -> NDArray[np.bool_]:

@@ -9,8 +9,8 @@ from functools import cached_property
 from typing import Any, Protocol
 
 import numpy as np
-from numba import njit
 
+from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Index, Layout
 from cadbem.spline.basis import Array
 
@@ -106,7 +106,7 @@ class Record:
             sink.pairs(rows, first_u, first_v, values)
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def add_pairs(rows, first_u, first_v, values, layout, density, result):
     """Add potentials of a density (components, n_u, n_v) to ``result`` (rows, T)."""
     for k in range(len(rows)):

@@ -8,13 +8,12 @@ from __future__ import annotations
 
 from math import acosh, asinh, ceil, cosh, exp, log, pi, sinh, sqrt
 
-from numba import njit
-
+from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER
 from cadbem.quadrature.panels import fill_bernstein, metric
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def line_nodes(net, u, distance, tolerance, gauss, nodes, work):
     """As ``polar_nodes`` for a panel of a curve: nodes to either side of the closest point."""
     bu, du, bv, dv, point, tu, tv = work
@@ -47,7 +46,7 @@ def line_nodes(net, u, distance, tolerance, gauss, nodes, work):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def part_from(net, u, foot, part):
     """Control points w (x - foot) of the longer part of a curve's panel from u to an end.
 
@@ -64,10 +63,11 @@ def part_from(net, u, foot, part):
         for i in range(p - level):
             for c in range(dim):
                 part[i, c] += share * (part[i + 1, c] - part[i, c])
-    part[0] = 0.0
+    for c in range(dim):
+        part[0, c] = 0.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def evaluate_part(part, u, t, weight, values, slopes, point):
     """Point of a panel at t relative to its foot at u, also on the shorter part."""
     along = (t - u) / (1.0 - u) if u <= 0.5 else (u - t) / u

@@ -9,13 +9,13 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
-from numba import njit
 
+from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER, gauss_unit, log_unit
 from cadbem.quadrature.lines import evaluate_part, line_nodes, part_from
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein, metric
-from cadbem.quadrature.polar import WHOLE, collapsed_side, polar_nodes, pole_nodes
-from cadbem.quadrature.uniform import subdivided_nodes, triangle_nodes
+from cadbem.quadrature.polar import WHOLE, polar_nodes, pole_nodes
+from cadbem.quadrature.uniform import thesis_nodes
 
 
 @lru_cache(maxsize=1)
@@ -31,24 +31,26 @@ def gauss_table():
     return table
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def place_nodes(
-    nets, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
-    starts, foot, position, normal, weight, bu, bv,
+    nets, poles, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
+    starts, foot, curve, position, normal, weight, bu, bv,
 ):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
     ``u``, ``v``, ``distance`` give each pair's closest point, whose place in space goes to
-    ``foot`` (dim, pairs).  Where ``pieces`` (pairs,) is not 0, the thesis's rule of ``order`` on
-    so many parts a direction replaces ours (on surfaces).  Tables: ``position``, relative to the
-    foot, and ``normal`` (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the
-    panel's weight function; Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity);
-    ``starts`` (pairs + 1,) offsets.  Returns the number of pairs done.
+    ``foot`` (dim, pairs).  ``poles`` are the panels' ``collapsed_sides``.  Curves need room
+    ``curve`` (p + 1, dim).  Where ``pieces`` (pairs,) is not 0, the thesis's rule of ``order`` on
+    so many parts a direction replaces ours (on surfaces).  Each of these three may be None; then
+    nothing for it is compiled.  Tables: ``position``, relative to the foot, and ``normal``
+    (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the panel's weight function;
+    Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity); ``starts`` (pairs + 1,)
+    offsets.  Returns the number of pairs done.
     """
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, position.shape[0]
     lu, su, lv, sv = np.empty(p + 1), np.empty(p + 1), np.empty(q + 1), np.empty(q + 1)
     point, tu, tv, unit = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
-    work, part = (lu, su, lv, sv, point, tu, tv), np.empty((p + 1, dim))
+    work = (lu, su, lv, sv, point, tu, tv)
     lp = np.empty(p + 1)
     nodes = np.empty((3, position.shape[1]))
     starts[0] = 0
@@ -56,36 +58,31 @@ def place_nodes(
     for k in range(first, len(panel_of)):
         net = nets[panel_of[k]]
         room = nodes[:, : position.shape[1] - used]
-        if dim == 2:
+        if curve is not None:
             count = line_nodes(net, u[k], distance[k], tolerance, gauss, room, work)
-        elif pieces[k] > 0 and distance[k] == 0.0:
-            count = triangle_nodes(u[k], v[k], order, gauss, room)
-        elif pieces[k] > 0:
-            count = subdivided_nodes(order, pieces[k], gauss, room)
+        elif pieces is not None and pieces[k] > 0:
+            count = thesis_nodes(u[k], v[k], distance[k], order, pieces[k], gauss, room)
+        elif poles is not None and poles[panel_of[k]] >= 0:
+            side = poles[panel_of[k]]
+            count = pole_nodes(net, side, u[k], v[k], distance[k], tolerance, gauss, room, work)
         else:
-            side = collapsed_side(net)
-            if side < 0:
-                count = polar_nodes(
-                    net, u[k], v[k], distance[k], WHOLE, tolerance, gauss, room, work
-                )
-            else:
-                count = pole_nodes(
-                    net, side, u[k], v[k], distance[k], tolerance, gauss, room, work
-                )
+            count = polar_nodes(net, u[k], v[k], distance[k], WHOLE, tolerance, gauss, room, work)
         if count < 0:
             break
         metric(net, u[k], v[k], lu, su, lv, sv, point, tu, tv)
-        foot[:, done] = point
-        if dim == 2:
-            part_from(net, u[k], foot[:, done], part)
+        for c in range(dim):
+            foot[c, done] = point[c]
+        if curve is not None:
+            part_from(net, u[k], point, curve)
         for m in range(count):
             fill_bernstein(p, nodes[0, m], lu, su)
             fill_bernstein(q, nodes[1, m], lv, sv)
             w = evaluate_panel(net, lu, lv, su, sv, point, tu, tv)
-            if dim == 2:
-                evaluate_part(part, u[k], nodes[0, m], w, lp, su, point)
+            if curve is not None:
+                evaluate_part(curve, u[k], nodes[0, m], w, lp, su, point)
             else:
-                point -= foot[:, done]
+                for c in range(dim):
+                    point[c] -= foot[c, done]
             weight[used + m] = nodes[2, m] * area_vector(tu, tv, unit) / w
             for c in range(dim):
                 position[c, used + m] = point[c]
@@ -100,7 +97,7 @@ def place_nodes(
     return done
 
 
-@njit(cache=True, nogil=True, fastmath=True)
+@compiled(fastmath=True)
 def moments(starts, table, weight, bu, bv, result):
     """Bernstein moments of each pair: result (pairs, entries, p + 1, q + 1).
 

@@ -49,9 +49,8 @@ class Quadrature:
         """No fixed order."""
         return 0
 
-    def pieces(self, lengths: Array, distances: Array) -> NDArray[np.int64]:
+    def pieces(self, lengths: Array, distances: Array) -> None:
         """No uniform subdivision."""
-        return np.zeros(len(lengths), dtype=np.int64)
 
 
 @dataclass(frozen=True)

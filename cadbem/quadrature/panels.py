@@ -9,13 +9,17 @@ from __future__ import annotations
 from math import sqrt
 
 import numpy as np
-from numba import njit
+from numpy.typing import NDArray
+
+from cadbem.compiled import compiled
+
+Array = NDArray[np.float64]
 
 POINT = 1e-7  # share of a panel below which an edge counts as a point, and a distance to it as 0
 APPROACH = 0.9  # share of the way to such an edge that a step may go
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def fill_bernstein(degree, t, values, slopes):
     """Bernstein polynomials and derivatives at t, into arrays of length degree + 1."""
     values[0] = 1.0
@@ -34,7 +38,7 @@ def fill_bernstein(degree, t, values, slopes):
         values[p] = carried
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def evaluate_panel(net, bu, bv, du, dv, point, tangent_u, tangent_v):
     """Position and tangents from Bernstein values and slopes; returns the weight function."""
     dim = net.shape[2] - 1
@@ -66,29 +70,32 @@ def evaluate_panel(net, bu, bv, du, dv, point, tangent_u, tangent_v):
     return weight
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def area_vector(tangent_u, tangent_v, normal):
     """Unit normal into ``normal`` (see ``surface_points``); returns the Jacobian."""
     if normal.shape[0] == 2:
         normal[0], normal[1] = tangent_u[1], -tangent_u[0]
-        jacobian = sqrt(normal[0] ** 2 + normal[1] ** 2)
+        jacobian = sqrt(normal[0] * normal[0] + normal[1] * normal[1])
     else:
         normal[0] = tangent_u[1] * tangent_v[2] - tangent_u[2] * tangent_v[1]
         normal[1] = tangent_u[2] * tangent_v[0] - tangent_u[0] * tangent_v[2]
         normal[2] = tangent_u[0] * tangent_v[1] - tangent_u[1] * tangent_v[0]
-        jacobian = sqrt(normal[0] ** 2 + normal[1] ** 2 + normal[2] ** 2)
+        jacobian = sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2])
     if jacobian > 0.0:
         for c in range(normal.shape[0]):
             normal[c] /= jacobian
     return jacobian
 
 
-@njit(cache=True, nogil=True)
-def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, samples, result):
+@compiled
+def closest_on_panels(
+    targets, target_of, panel_of, nets, squares, sample_u, sample_v, samples, result
+):  # fmt: skip
     """Closest point of panel panel_of[k] to target target_of[k], for each pair k.
 
     Starts from the nearest of ``samples`` (E, S, dim) at parameters sample_u, sample_v (S,),
     then Gauss-Newton held in the unit square.  ``result`` (3, pairs): u, v, distance.
+    ``squares`` (E, 4) are the panels' ``open_squares``.
 
     On an edge that is a point (a pole) one parameter means nothing, and a step from there would
     not change it: such edges are only approached.
@@ -97,17 +104,19 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
     bu, du = np.empty(p + 1), np.empty(p + 1)
     bv, dv = np.empty(q + 1), np.empty(q + 1)
     point, tu, tv, trial = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
-    low, high = np.empty(2), np.empty(2)
     for k in range(len(target_of)):
-        net, t = nets[panel_of[k]], target_of[k]
+        e, t = panel_of[k], target_of[k]
+        net = nets[e]
         best, square = 0, np.inf
-        _open_square(net, low, high)
+        low_u, high_u = squares[e, 0], squares[e, 1]
+        low_v, high_v = squares[e, 2], squares[e, 3]
         for s in range(samples.shape[1]):
-            if not (low[0] <= sample_u[s] <= high[0] and low[1] <= sample_v[s] <= high[1]):
+            if not (low_u <= sample_u[s] <= high_u and low_v <= sample_v[s] <= high_v):
                 continue
             distance = 0.0
             for c in range(dim):
-                distance += (samples[panel_of[k], s, c] - targets[c, t]) ** 2
+                gap = samples[e, s, c] - targets[c, t]
+                distance += gap * gap
             if distance < square:
                 best, square = s, distance
         u, v = sample_u[best], sample_v[best]
@@ -115,14 +124,14 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
             fill_bernstein(p, u, bu, du)
             fill_bernstein(q, v, bv, dv)
             evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
-            step_u, step_v = _step(u, v, point, tu, tv, targets[:, t])
-            if low[0] > 0.0:
+            step_u, step_v = _step(u, v, point, tu, tv, targets, t)
+            if low_u > 0.0:
                 step_u = max(step_u, -APPROACH * u)
-            if high[0] < 1.0:
+            if high_u < 1.0:
                 step_u = min(step_u, APPROACH * (1.0 - u))
-            if low[1] > 0.0:
+            if low_v > 0.0:
                 step_v = max(step_v, -APPROACH * v)
-            if high[1] < 1.0:
+            if high_v < 1.0:
                 step_v = min(step_v, APPROACH * (1.0 - v))
             scale, accepted = 1.0, False
             for _ in range(12):
@@ -133,7 +142,8 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
                 evaluate_panel(net, bu, bv, du, dv, trial, tu, tv)
                 distance = 0.0
                 for c in range(dim):
-                    distance += (trial[c] - targets[c, t]) ** 2
+                    gap = trial[c] - targets[c, t]
+                    distance += gap * gap
                 if distance <= square:
                     accepted = True
                     break
@@ -144,43 +154,33 @@ def closest_on_panels(targets, target_of, panel_of, nets, sample_u, sample_v, sa
             u, v, square = new_u, new_v, distance
             if moved < 1e-12:
                 break
-        u = 0.0 if u < low[0] else (1.0 if u > high[0] else u)
-        v = 0.0 if v < low[1] else (1.0 if v > high[1] else v)
+        u = 0.0 if u < low_u else (1.0 if u > high_u else u)
+        v = 0.0 if v < low_v else (1.0 if v > high_v else v)
         result[0, k], result[1, k], result[2, k] = u, v, sqrt(square)
 
 
-@njit(cache=True, nogil=True)
-def _open_square(net, low, high):
-    """Bounds of u and v (2,) that leave out the edges of a panel that are points."""
-    p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
-    low[:], high[:] = 0.0, 1.0
-    west = east = south = north = size = 0.0
-    for c in range(dim):
-        corner = net[0, 0, c] / net[0, 0, dim]
-        for i in range(p + 1):
-            south += abs(net[i, 0, c] / net[i, 0, dim] - corner)
-            north += abs(net[i, q, c] / net[i, q, dim] - net[0, q, c] / net[0, q, dim])
-            for j in range(q + 1):
-                size = max(size, abs(net[i, j, c] / net[i, j, dim] - corner))
-        for j in range(q + 1):
-            west += abs(net[0, j, c] / net[0, j, dim] - corner)
-            east += abs(net[p, j, c] / net[p, j, dim] - net[p, 0, c] / net[p, 0, dim])
-    if q > 0 and west < POINT * size:
-        low[0] = POINT
-    if q > 0 and east < POINT * size:
-        high[0] = 1.0 - POINT
-    if p > 0 and south < POINT * size:
-        low[1] = POINT
-    if p > 0 and north < POINT * size:
-        high[1] = 1.0 - POINT
+def side_extents(nets: Array) -> Array:
+    """How long the sides v = 0, u = 1, v = 1, u = 0 of panels are: (4, E), the longest is 1."""
+    points = nets[..., :-1] / nets[..., -1:]
+    sides = points[:, :, 0], points[:, -1], points[:, :, -1], points[:, 0]
+    extents = np.stack([abs(side - side[:, :1]).max(axis=(1, 2)) for side in sides])
+    return extents / extents.max(axis=0)
 
 
-@njit(cache=True, nogil=True)
-def _step(u, v, point, tu, tv, target):
+def open_squares(nets: Array) -> Array:
+    """Bounds u0, u1, v0, v1 that leave out the sides of panels that are points: (E, 4)."""
+    south, east, north, west = (side_extents(nets) < POINT) * POINT
+    if nets.shape[2] == 1:  # the ends of a curve
+        east, west = 0.0 * east, 0.0 * west
+    return np.stack([west, 1.0 - east, south, 1.0 - north], axis=1)
+
+
+@compiled
+def _step(u, v, point, tu, tv, targets, t):
     """Gauss-Newton step; a parameter that presses against its bound is held."""
     a = b = c = g = h = 0.0
     for i in range(len(point)):
-        gap = target[i] - point[i]
+        gap = targets[i, t] - point[i]
         a += tu[i] * tu[i]
         b += tu[i] * tv[i]
         c += tv[i] * tv[i]
@@ -208,7 +208,7 @@ def _step(u, v, point, tu, tv, target):
     return step_u, step_v
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def metric(net, u, v, bu, du, bv, dv, point, tu, tv):
     """First fundamental form (E, F, G) at (u, v); leaves the position in ``point``."""
     fill_bernstein(net.shape[0] - 1, u, bu, du)

@@ -13,41 +13,33 @@ from __future__ import annotations
 from math import asinh, ceil, cosh, log, pi, sinh, sqrt
 
 import numpy as np
-from numba import njit
+from numpy.typing import NDArray
 
+from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER
-from cadbem.quadrature.panels import metric
+from cadbem.quadrature.panels import Array, metric, side_extents
 
 WHOLE = (0.0, 0.0, 1.0, 1.0)
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _order(length, digits, extra):
     """Gauss order for a range of the given length (see the top of this file)."""
     need = digits / (2.0 * asinh(pi / max(length, 0.5)))
     return min(max(int(ceil(need)) + extra, 2), MAX_ORDER)
 
 
-@njit(cache=True, nogil=True)
-def collapsed_side(net):
-    """Which side is a point, as a pole: 0 v = 0, 1 u = 1, 2 v = 1, 3 u = 0; -1 none."""
-    p, q, dim = net.shape[0] - 1, net.shape[1] - 1, net.shape[2] - 1
-    size, smallest, side = 0.0, np.inf, -1
-    for s in range(4):
-        extent = 0.0
-        for k in range(1, (p if s % 2 == 0 else q) + 1):
-            i, j = (k, 0 if s == 0 else q) if s % 2 == 0 else (p if s == 1 else 0, k)
-            i0, j0 = (0, j) if s % 2 == 0 else (i, 0)
-            for c in range(dim):
-                gap = net[i, j, c] / net[i, j, dim] - net[i0, j0, c] / net[i0, j0, dim]
-                extent = max(extent, abs(gap))
-        size = max(size, extent)
-        if extent < smallest:
-            smallest, side = extent, s
-    return side if smallest < 1e-9 * size else -1
+def collapsed_sides(nets: Array) -> NDArray[np.int64] | None:
+    """Which side of each panel is a point, as a pole: 0 v = 0, 1 u = 1, 2 v = 1, 3 u = 0; -1 none.
+
+    None where all panels have four sides, so that nothing for poles is compiled.
+    """
+    extents = side_extents(nets)
+    collapsed = extents.min(axis=0) < 1e-9
+    return np.where(collapsed, extents.argmin(axis=0), -1) if collapsed.any() else None
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def _box(side, near, far):
     """Corners (u0, v0, u1, v1) of the strip between two depths from a side."""
     if side == 0:
@@ -59,7 +51,16 @@ def _box(side, near, far):
     return near, 0.0, far, 1.0
 
 
-@njit(cache=True, nogil=True)
+@compiled
+def _square(a, b):
+    """Square of the distance of two points."""
+    square = 0.0
+    for c in range(len(a)):
+        square += (a[c] - b[c]) * (a[c] - b[c])
+    return square
+
+
+@compiled
 def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     """As ``polar_nodes`` for a panel with one side that is a point.
 
@@ -67,7 +68,7 @@ def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     panels; what remains is polar by itself and far enough from the target for a tensor rule.
     """
     bu, du, bv, dv, point, tu, tv = work
-    foot, pole = np.empty_like(point), np.empty_like(point)
+    foot, pole = np.empty(len(point)), np.empty(len(point))
     metric(net, u, v, bu, du, bv, dv, foot, tu, tv)
     corner = _box(side, 0.0, 1.0)
     metric(net, corner[0] if side != 1 else 1.0, corner[1] if side != 2 else 1.0,
@@ -76,14 +77,13 @@ def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     middle = _box(side, 1.0, 1.0)
     metric(net, middle[0] if side % 2 else 0.5, 0.5 if side % 2 else middle[1],
            bu, du, bv, dv, point, tu, tv)  # fmt: skip
-    radius = sqrt(((point - pole) ** 2).sum())
-    stop = max(own, distance / radius)
+    stop = max(own, distance / sqrt(_square(point, pole)))
     far, count = 1.0, 0
     while far > 0.5 * stop and far > 1e-12:
         low_u, low_v, high_u, high_v = box = _box(side, 0.5 * far, far)
         strip_u, strip_v = min(max(u, low_u), high_u), min(max(v, low_v), high_v)
         metric(net, strip_u, strip_v, bu, du, bv, dv, point, tu, tv)
-        away = sqrt(distance**2 + ((point - foot) ** 2).sum())
+        away = sqrt(distance * distance + _square(point, foot))
         if strip_u == u and strip_v == v:
             away = distance
         room = nodes[:, count:]
@@ -106,7 +106,7 @@ def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def polar_nodes(net, u, v, distance, box, tolerance, gauss, nodes, work):
     """Nodes (3, capacity): u, v, weight (without Jacobian) into ``nodes``; returns their number.
 
@@ -131,8 +131,9 @@ def polar_nodes(net, u, v, distance, box, tolerance, gauss, nodes, work):
         u2, v2 = high_u if side < 2 else low_u, high_v if side % 3 else low_v
         x1, y1 = a * (u1 - u) + b * (v1 - v), c * (v1 - v)
         x2, y2 = a * (u2 - u) + b * (v2 - v), c * (v2 - v)
-        length = sqrt((x2 - x1) ** 2 + (y2 - y1) ** 2)
-        ex, ey = (x2 - x1) / length, (y2 - y1) / length
+        ex, ey = x2 - x1, y2 - y1
+        length = sqrt(ex * ex + ey * ey)
+        ex, ey = ex / length, ey / length
         height = x1 * ey - y1 * ex
         if height <= 1e-14 * length:
             continue

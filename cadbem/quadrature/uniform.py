@@ -7,12 +7,20 @@ from __future__ import annotations
 
 from math import atan2, cos, pi, sin
 
-from numba import njit
+from cadbem.compiled import compiled
 
 CORNERS = ((0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0), (0.0, 0.0))  # counter-clockwise
 
 
-@njit(cache=True, nogil=True)
+@compiled
+def thesis_nodes(u, v, distance, order, pieces, gauss, nodes):
+    """Nodes for the closest point (u, v) of a panel to a target, at a ``distance`` or on it."""
+    if distance == 0.0:
+        return triangle_nodes(u, v, order, gauss, nodes)
+    return subdivided_nodes(order, pieces, gauss, nodes)
+
+
+@compiled
 def subdivided_nodes(order, pieces, gauss, nodes):
     """Tensor Gauss rule of ``order`` on pieces × pieces parts of the unit square.
 
@@ -28,12 +36,12 @@ def subdivided_nodes(order, pieces, gauss, nodes):
                 for j in range(order):
                     nodes[0, count] = u
                     nodes[1, count] = (b + gauss[0, order, j]) / pieces
-                    nodes[2, count] = gauss[1, order, i] * gauss[1, order, j] / pieces**2
+                    nodes[2, count] = gauss[1, order, i] * gauss[1, order, j] / (pieces * pieces)
                     count += 1
     return count
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def triangle_nodes(u, v, order, gauss, nodes):
     """Polar coordinates of the parameters around (u, v), in four triangles with order² nodes."""
     if 4 * order * order > nodes.shape[1]:

@@ -1,0 +1,267 @@
+"""Layers as a compressed matrix: dense blocks near by, cross approximations far away.
+
+Clusters of targets and clusters of panels whose gap exceeds ``SEPARATION`` times the larger radius
+form blocks of low rank (an H-matrix: Hackbusch 1999; Bebendorf 2008); between neighbouring clusters
+all integrals are as accurate as in the dense matrix.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import cached_property
+from threading import Lock
+from typing import Any
+
+import numpy as np
+
+from cadbem.kernels.kernel import Array, Index
+from cadbem.operators.clusters import Pairs, Tree, cluster, partition
+from cadbem.operators.cross import MixedKernel, Seen, cross_approximation
+from cadbem.operators.interactions import Targets, interact_pairs
+from cadbem.operators.layers import run_tasks
+from cadbem.operators.near_blocks import NearBlocks, NearSink
+from cadbem.operators.panels import split_patch
+from cadbem.operators.sources import PanelList, Sources, sources
+from cadbem.quadrature import Rules
+from cadbem.space import Space
+
+LEAF = 64  # targets, or panels, in the smallest clusters
+SEPARATION = 0.5
+POINTS = 2  # Gauss points a direction of a panel, for crosses
+FLOAT32_FROM = 1e-6  # tolerance from which numbers of 32 bits are accurate enough
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Crosses of one cluster of panels: ``table`` (k, unknowns × F) for ``functions`` (F,)."""
+
+    functions: Index
+    table: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Collect:
+    """Crosses of one cluster of targets, ``part`` of all in the tree's order: ``table``
+    (k, rows × T), and which of all crosses they are, ``crosses`` (k,)."""
+
+    part: slice
+    table: Array
+    crosses: Index
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedMatrix:
+    """A mixed kernel between the T targets of a ``tree`` and functions."""
+
+    mixed: MixedKernel
+    tree: Tree
+    near: NearBlocks
+    spread: Sequence[Spread]
+    collect: Sequence[Collect]
+
+    @property
+    def size(self) -> int:
+        """Bytes that are kept."""
+        far = sum(part.table.nbytes for part in (*self.spread, *self.collect))
+        return far + self.near.entries.nbytes
+
+    def apply(self, unknowns: Array) -> Array:
+        """Values (rows, T) at the targets of coefficients (unknowns, F)."""
+        values = unknowns.astype(self.near.entries.dtype)
+        crosses = np.concatenate(
+            [np.empty(0, dtype=values.dtype)]
+            + in_shares(lambda s: s.table @ values[:, s.functions].ravel(), self.spread)
+        )
+        rows, count = self.mixed.kernel.rows, len(self.tree.order)
+        result = np.zeros((rows, count))
+
+        def far(c: Collect) -> Array:
+            return (crosses[c.crosses] @ c.table).reshape(rows, -1)
+
+        def near(b: int) -> Array:
+            part = values[:, self.near.functions[b]].ravel()
+            return (self.near.matrix(b) @ part).reshape(rows, -1)
+
+        for c, made in zip(self.collect, in_shares(far, self.collect), strict=True):
+            result[:, c.part] += made
+        leaves = range(len(self.near.counts))
+        for part, made in zip(self._leaves, in_shares(near, leaves), strict=True):
+            result[:, part] += made
+        ordered = np.empty_like(result)
+        ordered[:, self.tree.order] = result
+        return ordered
+
+    @cached_property
+    def _leaves(self) -> list[slice]:
+        """The part of the targets, in the tree's order, of each leaf."""
+        leaves = self.tree.leaves
+        return [slice(a, b) for a, b in zip(self.tree.start[leaves], self.tree.stop[leaves], strict=True)]
+
+
+def in_shares(task: Callable[[Any], Array], items: Sequence[Any]) -> list[Array]:
+    """Results of a task for each item, on all cores."""
+    cores = os.cpu_count() or 1
+    with ThreadPoolExecutor(cores) as pool:
+        shares = list(pool.map(lambda k: [task(i) for i in items[k::cores]], range(cores)))
+    return [shares[i % cores][i // cores] for i in range(len(items))]
+
+
+def compress(
+    mixed: MixedKernel, space: Space, targets: Targets, quadrature: Rules, tolerance: float
+) -> CompressedMatrix:
+    """The compressed matrix of a mixed kernel, each far block within ``tolerance`` of its size."""
+    panels = PanelList.of(space, tuple(split_patch(p.surface) for p in space.boundary.patches))
+    tree = cluster(targets.position, np.zeros(targets.count), LEAF)
+    builder = _Builder(mixed, panels, tree, targets, quadrature, tolerance)
+    near = builder.near()
+    spread, collect = builder.far()
+    return CompressedMatrix(mixed, tree, near, spread, collect)
+
+
+@dataclass(frozen=True, eq=False)
+class _Builder:
+    """What both parts of a compressed matrix are made from."""
+
+    mixed: MixedKernel
+    unordered: PanelList
+    tree: Tree
+    targets: Targets
+    quadrature: Rules
+    tolerance: float
+
+    @property
+    def dtype(self) -> type:
+        """Of all that is kept."""
+        return np.float32 if self.tolerance >= FLOAT32_FROM else np.float64
+
+    @cached_property
+    def panel_tree(self) -> Tree:
+        """Clusters of panels."""
+        return cluster(*self.unordered.balls(), LEAF)
+
+    @cached_property
+    def panels(self) -> PanelList:
+        """The panels in their tree's order."""
+        return self.unordered.ordered(self.panel_tree.order)
+
+    @cached_property
+    def orders(self) -> tuple[int, ...]:
+        """The lowest Gauss order of each patch."""
+        degrees = [max(p.surface.degrees) for p in self.panels.panels]
+        return tuple(self.quadrature.orders(d)[0] for d in degrees)
+
+    @cached_property
+    def partition(self) -> tuple[Pairs, Pairs]:
+        """Far and near pairs of clusters of targets and panels."""
+        t, s = self.tree, self.panel_tree
+        degrees = [max(p.surface.degrees) for p in self.panels.panels]
+        factors = [self.quadrature.reach(o, d) for o, d in zip(self.orders, degrees, strict=True)]
+        reach = self.panels.lengths() * np.array(factors)[self.panels.patch]
+        widest = [reach[a:b].max() for a, b in zip(s.start, s.stop, strict=True)]
+
+        def is_far(i: int, j: int) -> bool:
+            away = float(np.linalg.norm(t.centre[:, i] - s.centre[:, j]))
+            gap = away - t.radius[i] - s.radius[j]
+            return gap > max(SEPARATION * max(t.radius[i], s.radius[j]), widest[j])
+
+        return partition(t, s, is_far)
+
+    @cached_property
+    def functions(self) -> tuple[Index, Index]:
+        """Functions of each panel, flat, and where each panel's begin."""
+        return self.panels.functions()
+
+    def functions_of(self, *clusters: int) -> Index:
+        """Sorted numbers of the functions on clusters of panels."""
+        flat, first = self.functions
+        tree = self.panel_tree
+        parts = [flat[first[tree.start[s]] : first[tree.stop[s]]] for s in clusters]
+        return np.unique(np.concatenate(parts))
+
+    def near(self) -> NearBlocks:
+        """The near blocks."""
+        below: dict[int, list[int]] = {int(b): [] for b in self.tree.leaves}
+        above: dict[int, list[int]] = {}
+        for t, s in self.partition[1]:
+            below[t].append(s)
+            above.setdefault(s, []).append(t)
+        clusters = [self.tree.items(t) for t in below]
+        blocks = NearBlocks.empty(
+            self.mixed, clusters, [self.functions_of(*near) for near in below.values()]
+        )
+        lock, patches = Lock(), self.panels.patch
+
+        def work(_: int, pair: tuple[int, list[int]]) -> None:
+            s, near = pair
+            rows = np.concatenate([self.tree.items(t) for t in near])
+            here = np.arange(self.panel_tree.start[s], self.panel_tree.stop[s])
+            for patch in np.unique(patches[here]):
+                numbers = self.panels.number[here[patches[here] == patch]]
+                pairs = np.tile(rows, len(numbers)), np.repeat(numbers, len(rows))
+                panels, offset = self.panels.panels[patch], self.panels.space.offsets[patch]
+                sink = NearSink(blocks, patch, offset, panels.surface.weights.shape[1], lock)
+                interact_pairs(
+                    self.mixed.kernel, panels, patch, self.targets, pairs, self.quadrature, sink
+                )
+
+        run_tasks(work, list(above.items()), "near interactions")
+        return blocks
+
+    def far(self) -> tuple[list[Spread], list[Collect]]:
+        """All crosses."""
+        below: dict[int, list[int]] = {}
+        for t, s in self.partition[0]:
+            below.setdefault(s, []).append(t)
+        jobs = sorted(below.items(), key=lambda job: -len(job[1]))
+        made: list[list[tuple[Array, Array]]] = [[] for _ in jobs]
+
+        def work(k: int, job: tuple[int, list[int]]) -> None:
+            seen = self._seen(job[0])
+            for t in job[1]:
+                at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
+                pair = cross_approximation(seen, at, self.tolerance)
+                made[k].append((pair[0].astype(self.dtype), pair[1].astype(self.dtype)))
+
+        run_tasks(work, jobs, "far interactions")
+        spread, parts, first = [], {}, 0
+        for (s, near), crosses in zip(jobs, made, strict=True):
+            spread.append(Spread(self.functions_of(s), np.concatenate([v for _, v in crosses])))
+            for t, (u, _) in zip(near, crosses, strict=True):
+                parts.setdefault(t, []).append((u, np.arange(first, first + len(u))))
+                first += len(u)
+            crosses.clear()
+        collect = [
+            Collect(
+                slice(self.tree.start[t], self.tree.stop[t]),
+                np.concatenate([u for u, _ in group]),
+                np.concatenate([n for _, n in group]),
+            )
+            for t, group in parts.items()
+        ]
+        return spread, collect
+
+    @cached_property
+    def _points(self) -> Sources:
+        return sources(self.panels, (POINTS,) * len(self.panels.panels))
+
+    @cached_property
+    def _nodes(self) -> Sources:
+        return sources(self.panels, self.orders)
+
+    def _seen(self, s: int) -> Seen:
+        part = slice(self.panel_tree.start[s], self.panel_tree.stop[s])
+        numbers = self.functions_of(s)
+        flat, first = self.functions
+        starts = first[part.start : part.stop + 1]
+        return Seen(
+            self.mixed,
+            self._points.part(part),
+            self._nodes.part(part),
+            self.panels.patch[part],
+            np.searchsorted(numbers, flat[starts[0] : starts[-1]]),
+            starts - starts[0],
+            len(numbers),
+        )

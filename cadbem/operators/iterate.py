@@ -1,0 +1,117 @@
+"""Linear systems of compressed layers, solved by iteration (GMRES, preconditioned)."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse.linalg import LinearOperator, gmres
+from tqdm import tqdm
+
+from cadbem.errors import SolverError
+from cadbem.kernels.kernel import Array
+from cadbem.operators.compressed import CompressedMatrix
+from cadbem.operators.overlapping import Overlapping
+from cadbem.operators.solve import Border, Solved
+
+RESTART, CYCLES = 150, 4
+
+
+@dataclass(frozen=True, eq=False)
+class Iteration:
+    """A compressed system with k constraints, in place of factors.
+
+    The ``matrix`` acts on unknowns over ``scale`` (unknowns, F), which makes tractions and
+    velocities alike; residuals end below ``tolerance`` times the right side.
+    """
+
+    matrix: CompressedMatrix
+    scale: Array
+    border: Border
+    preconditioner: Overlapping
+    tolerance: float
+
+    def solve(self, right: Array, constraints: Array | float = 0.0) -> Solved:
+        """The solution for a right side (rows, T), or for M of them (rows, T, M); constraints
+        (k[, M]).  Raises ``SolverError`` if the iteration does not converge."""
+        if right.ndim == 2:
+            return self._solve(right, np.broadcast_to(constraints, len(self._rows)))
+        many = np.broadcast_to(constraints, (len(self._rows), right.shape[2]))
+        columns = [self._solve(right[..., m], many[:, m]) for m in range(right.shape[2])]
+        return Solved(
+            np.stack([c.unknowns for c in columns], axis=-1),
+            np.stack([c.border for c in columns], axis=-1),
+            sum(c.iterations for c in columns),
+        )
+
+    @cached_property
+    def _weights(self) -> Array:
+        """Factors (k,) of the constraints, which give each the weight of all equations."""
+        norms = np.linalg.norm((self.border.rows * self.scale).reshape(len(self.border.rows), -1))
+        return np.full(len(self.border.rows), np.sqrt(self.scale.size) / np.maximum(norms, 1e-300))
+
+    @cached_property
+    def _rows(self) -> Array:
+        rows = self.border.rows * self.scale * self._weights[:, None, None]
+        return rows.reshape(len(rows), self.scale.size)
+
+    @cached_property
+    def _fields(self) -> Array:
+        """(rows × T, k)."""
+        fields = self.border.fields
+        return fields.reshape(len(fields), -1).T
+
+    @cached_property
+    def _schur(self) -> tuple[Array, Array]:
+        """Roughly solved fields (F, k), and the inverse of what is left for their factors."""
+        solved = [self._rough(column) for column in self._fields.T]
+        solved = np.reshape(solved, (len(self._rows), -1)).T
+        return solved, np.linalg.inv(-self._rows @ solved)
+
+    def _rough(self, right: Array) -> Array:
+        shape = self.matrix.mixed.kernel.rows, -1
+        return self.preconditioner.solve(right.reshape(shape)).ravel()
+
+    def _precondition(self, right: Array) -> Array:
+        count = self.scale.size
+        unknowns = self._rough(right[:count])
+        solved, inverse = self._schur
+        factors = inverse @ (right[count:] - self._rows @ unknowns)
+        return np.concatenate([unknowns - solved @ factors, factors])
+
+    def _apply(self, values: Array) -> Array:
+        count = self.scale.size
+        unknowns, factors = values[:count], values[count:]
+        made = self.matrix.apply(unknowns.reshape(self.scale.shape)).ravel()
+        return np.concatenate([made + self._fields @ factors, self._rows @ unknowns])
+
+    def _solve(self, right: Array, constraints: Array) -> Solved:
+        whole = np.concatenate([right.ravel(), self._weights * constraints])
+        operator = LinearOperator(
+            (whole.size, whole.size), lambda z: self._apply(self._precondition(z)), dtype=float
+        )
+        residuals: list[float] = []
+        with tqdm(desc="iterations", delay=2.0, leave=False, disable=None) as bar:
+            solution, failed = gmres(
+                operator, whole, rtol=self.tolerance, restart=RESTART, maxiter=CYCLES,
+                callback=_counter(residuals, bar), callback_type="pr_norm",
+            )  # fmt: skip
+        if failed:
+            raise SolverError(
+                f"the flow did not converge: residual {residuals[-1]:.1e} after {len(residuals)} "
+                f"iterations, asked {self.tolerance:.1e}; take a finer grid, or storage=Dense()"
+            )
+        values = self._precondition(solution)
+        unknowns = values[: self.scale.size].reshape(self.scale.shape) * self.scale
+        return Solved(unknowns, values[self.scale.size :], len(residuals))
+
+
+def _counter(residuals: list[float], bar: tqdm) -> Callable[[float], None]:
+    def count(residual: float) -> None:
+        residuals.append(float(residual))
+        bar.update()
+        bar.set_postfix_str(f"residual {residual:.1e}")
+
+    return count
