@@ -13,9 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Index, Kernel
-from cadbem.operators.far import far_field, flat
-from cadbem.operators.panels import Nodes, Panels, tensor_nodes
+from cadbem.operators.panels import Panels
 from cadbem.operators.sinks import Sink
+from cadbem.operators.tensor import add_tensor, by_blocks
 from cadbem.quadrature import Rules, near
 from cadbem.spline.basis import Array
 
@@ -62,10 +62,13 @@ def interact(
     degree = max(panels.surface.degrees)
     orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
     level = panels.levels(targets.position, [quadrature.reach(m, degree) for m in orders])
-    far_field(kernel, panels, targets.position, orders, level, sink)
-    close = _Close.of(panels, patch, targets, quadrature, *np.nonzero(level == len(orders)))
-    for k, order in enumerate(close.orders):
-        _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
+    for k, order in enumerate(orders):
+        target, panel = by_blocks(level == k)
+        add_tensor(kernel, panels, order, targets.position, target, panel, sink)
+    pairs = by_blocks(level == len(orders))
+    close = _Close.of(panels, patch, targets, quadrature, *pairs)
+    for k in range(len(close.orders)):
+        close.add(kernel, k, targets, sink)
     _near(kernel, panels, targets, close, quadrature, sink)
 
 
@@ -79,17 +82,17 @@ def interact_pairs(
     sink: Sink,
 ) -> None:
     """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
-    target, panel = pairs
+    by_panel = np.argsort(pairs[1], kind="stable")
+    target, panel = pairs[0][by_panel], pairs[1][by_panel]
     degree = max(panels.surface.degrees)
-    reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
+    lowest = quadrature.orders(degree)[0]
     centres, radii = panels.sphere
     away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0)
-    far = away > (reach + radii)[panel]
-    lowest = tensor_nodes(panels, quadrature.orders(degree)[0])
-    _middle(kernel, panels, lowest, targets, target[far], panel[far], sink)
+    far = away > (quadrature.reach(lowest, degree) * panels.lengths + radii)[panel]
+    add_tensor(kernel, panels, lowest, targets.position, target[far], panel[far], sink)
     close = _Close.of(panels, patch, targets, quadrature, target[~far], panel[~far])
-    for k, order in enumerate(close.orders):
-        _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
+    for k in range(len(close.orders)):
+        close.add(kernel, k, targets, sink)
     _near(kernel, panels, targets, close, quadrature, sink)
 
 
@@ -107,15 +110,15 @@ def mend(
     What it gives for pairs that are too close goes to ``against``, a sink that takes away; the
     right contributions go to ``sink``.
     """
-    close = _Close.find(panels, patch, targets, quadrature)
-    for k, order in enumerate(close.orders):
-        if k:
-            lowest = tensor_nodes(panels, close.orders[0])
-            _middle(kernel, panels, lowest, targets, *close.pairs(k), against)
-            _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
-    last = len(close.orders)
-    lowest = tensor_nodes(panels, close.orders[0])
-    _middle(kernel, panels, lowest, targets, *close.pairs(last), against)
+    degree = max(panels.surface.degrees)
+    lowest = quadrature.orders(degree)[0]
+    level = panels.levels(targets.position, [quadrature.reach(lowest, degree)])
+    close = _Close.of(panels, patch, targets, quadrature, *by_blocks(level > 0))
+    for k in range(1, len(close.orders)):
+        close.add(kernel, k, targets, sink)
+    bad = close.level > 0
+    pairs = close.target[bad], close.panel[bad]
+    add_tensor(kernel, panels, lowest, targets.position, *pairs, against)
     _near(kernel, panels, targets, close, quadrature, sink)
 
 
@@ -127,19 +130,12 @@ class _Close:
     that is good enough, their number if none is.
     """
 
+    panels: Panels
     orders: tuple[int, ...]
     target: Index
     panel: Index
     closest: Array
     level: Index
-
-    @classmethod
-    def find(cls, panels: Panels, patch: int, targets: Targets, quadrature: Rules) -> _Close:
-        """The close pairs of a patch."""
-        degree = max(panels.surface.degrees)
-        reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
-        target, panel = panels.close_pairs(targets.position, reach)
-        return cls.of(panels, patch, targets, quadrature, target, panel)
 
     @classmethod
     def of(
@@ -151,7 +147,7 @@ class _Close:
         target: Index,
         panel: Index,
     ) -> _Close:
-        """Given pairs of a patch."""
+        """Given pairs of a patch, those of one panel one after the other."""
         degree = max(panels.surface.degrees)
         orders = quadrature.orders(degree)
         closest = _closest(panels, patch, targets, target, panel)
@@ -159,11 +155,13 @@ class _Close:
         level = np.zeros(len(ratio), dtype=np.int64)
         for order in orders:
             level += ratio < quadrature.reach(order, degree)
-        return cls(orders, target, panel, closest, level)
+        return cls(panels, orders, target, panel, closest, level)
 
-    def pairs(self, level: int) -> tuple[Index, Index]:
-        """Targets and panels of one level."""
-        return self.target[self.level == level], self.panel[self.level == level]
+    def add(self, kernel: Kernel, level: int, targets: Targets, sink: Sink) -> None:
+        """Add the pairs of one of the orders."""
+        here = self.level == level
+        pairs, order = (self.target[here], self.panel[here]), self.orders[level]
+        add_tensor(kernel, self.panels, order, targets.position, *pairs, sink)
 
 
 def _closest(
@@ -184,29 +182,6 @@ def _closest(
     return result
 
 
-def _middle(
-    kernel: Kernel,
-    panels: Panels,
-    nodes: Nodes,
-    targets: Targets,
-    close_target: Index,
-    close_panel: Index,
-    sink: Sink,
-) -> None:
-    if len(close_panel) == 0:
-        return
-    order = np.argsort(close_panel, kind="stable")
-    chosen, starts = np.unique(close_panel[order], return_index=True)
-    for panel, rows in zip(chosen, np.split(close_target[order], starts[1:]), strict=True):
-        a, b = divmod(int(panel), panels.shape[1])
-        basis, part_u, part_v = nodes.basis(panels, a, slice(b, b + 1))
-        here = np.ascontiguousarray(targets.position[:, rows])
-        position, normal = flat(nodes.position[:, a, b]), flat(nodes.normal[:, a, b])
-        room = np.empty(kernel.entries * len(rows) * len(basis))
-        table = kernel.block(here, position, normal, room)
-        sink.block(rows, table, basis, part_u, part_v)
-
-
 def _near(
     kernel: Kernel,
     panels: Panels,
@@ -215,8 +190,9 @@ def _near(
     quadrature: Rules,
     sink: Sink,
 ) -> None:
-    close_target, close_panel = close.pairs(len(close.orders))
-    closest = close.closest[:, close.level == len(close.orders)]
+    left = close.level == len(close.orders)
+    close_target, close_panel = close.target[left], close.panel[left]
+    closest = close.closest[:, left]
     p, q = panels.surface.degrees
     dim, capacity = targets.position.shape[0], NODE_CAPACITY
     position, normal = np.empty((dim, capacity)), np.empty((dim, capacity))
