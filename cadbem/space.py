@@ -12,12 +12,13 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.linalg import cho_factor, cho_solve
+from scipy.sparse import csr_array
+from scipy.sparse.linalg import splu
 
 from cadbem.boundary import Boundary
 from cadbem.points import SurfacePoints, area_vector, dual_tangents, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
-from cadbem.spline.basis import Array, basis_matrix, greville
+from cadbem.spline.basis import Array, basis_functions, greville
 from cadbem.spline.nurbs import Nurbs
 
 END_SHIFT = 0.3  # how far end points move towards their neighbours: see ``discontinuous_space``
@@ -50,16 +51,16 @@ class Space:
         result = np.empty_like(coefficients)
         for i, matrix in enumerate(self._collocation_matrices):
             part = self.functions(i)
-            result[:, part] = coefficients[:, part] @ matrix.T
+            result[:, part] = (matrix @ coefficients[:, part].T).T
         return result
 
     @cached_property
-    def _collocation_matrices(self) -> list[Array]:
+    def _collocation_matrices(self) -> list[csr_array]:
         pairs = zip(self.boundary.patches, self.parameters, strict=True)
         return [rational_basis(patch.surface, parameters) for patch, parameters in pairs]
 
-    def collocation_matrix(self, patch: int) -> Array:
-        """Values of a patch's functions at its collocation points: (n, n)."""
+    def collocation_matrix(self, patch: int) -> csr_array:
+        """Values of a patch's functions at its collocation points: sparse (n, n)."""
         return self._collocation_matrices[patch]
 
     def interpolate(self, values: Array) -> Array:
@@ -67,7 +68,8 @@ class Space:
         result = np.empty_like(values)
         for i in range(len(self.boundary.patches)):
             part = self.functions(i)
-            result[:, part] = np.linalg.solve(self.collocation_matrix(i), values[:, part].T).T
+            factors = splu(self.collocation_matrix(i).tocsc())
+            result[:, part] = factors.solve(np.ascontiguousarray(values[:, part].T)).T
         return result
 
     def project(self, patch: int, function: Callable[[SurfacePoints], Array]) -> Array:
@@ -79,8 +81,8 @@ class Space:
         order = max(surface.degrees) + 8
         points, weights = self.boundary.patches[patch].quadrature(order)
         matrix = rational_basis(surface, _element_parameters(surface, order))
-        mass = cho_factor(matrix.T @ (weights[:, None] * matrix))
-        return cho_solve(mass, matrix.T @ (weights * function(points)).T).T
+        mass = splu((matrix.T @ (matrix * weights[:, None])).tocsc())
+        return mass.solve(matrix.T @ (weights * function(points)).T).T
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,17 +162,24 @@ def _shifted(abscissae: Array, share: float) -> Array:
     return shifted
 
 
-def rational_basis(surface: Nurbs, parameters: ArrayLike) -> Array:
-    """All functions R = w N / W of a spline at parameters (p, m): dense (m, n)."""
-    factors = [
-        basis_matrix(p, k, u)
-        for p, k, u in zip(surface.degrees, surface.knots, np.asarray(parameters), strict=True)
-    ]
-    matrix = factors[0]
-    for factor in factors[1:]:
-        matrix = (matrix[:, :, None] * factor[:, None, :]).reshape(len(matrix), -1)
-    matrix = matrix * surface.weights.ravel()
-    return matrix / matrix.sum(axis=1, keepdims=True)
+def rational_basis(surface: Nurbs, parameters: ArrayLike) -> csr_array:
+    """All functions R = w N / W of a spline at parameters (p, m): sparse (m, n)."""
+    numbers = np.zeros((1, 1), dtype=np.int64)
+    values = np.ones((1, 1))
+    shape = surface.weights.shape
+    for p, k, u, n in zip(
+        surface.degrees, surface.knots, np.asarray(parameters), shape, strict=True
+    ):
+        first, table = basis_functions(p, k, u)
+        here = first[:, None] + np.arange(p + 1)
+        numbers = (numbers[:, :, None] * n + here[:, None]).reshape(len(here), -1)
+        values = (values[:, :, None] * table[0].T[:, None]).reshape(len(here), -1)
+    values = values * surface.weights.ravel()[numbers]
+    values /= values.sum(axis=1, keepdims=True)
+    starts = np.arange(0, values.size + 1, values.shape[1])
+    return csr_array(
+        (values.ravel(), numbers.ravel(), starts), shape=(len(values), surface.weights.size)
+    )
 
 
 def _element_parameters(surface: Nurbs, order: int) -> list[Array]:

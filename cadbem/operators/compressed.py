@@ -24,14 +24,16 @@ from cadbem.operators.interactions import Targets, interact_pairs
 from cadbem.operators.layers import run_tasks
 from cadbem.operators.near_blocks import NearBlocks, NearSink
 from cadbem.operators.panels import split_patch
+from cadbem.operators.products import times, transposed_times
 from cadbem.operators.sources import PanelList, Sources, sources
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 
 LEAF = 64  # targets, or panels, in the smallest clusters
 SEPARATION = 0.5
+LOWER = 3  # lower Gauss orders for panels farther away
 POINTS = 2  # Gauss points a direction of a panel, for crosses
-FLOAT32_FROM = 1e-6  # tolerance from which numbers of 32 bits are accurate enough
+FLOAT32_FROM = 1e-7  # tolerance from which crosses are accurate enough in 32 bits
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,19 +72,18 @@ class CompressedMatrix:
 
     def apply(self, unknowns: Array) -> Array:
         """Values (rows, T) at the targets of coefficients (unknowns, F)."""
-        values = unknowns.astype(self.near.entries.dtype)
         crosses = np.concatenate(
-            [np.empty(0, dtype=values.dtype)]
-            + in_shares(lambda s: s.table @ values[:, s.functions].ravel(), self.spread)
+            [np.empty(0)]
+            + in_shares(lambda s: times(s.table, unknowns[:, s.functions].ravel()), self.spread)
         )
         rows, count = self.mixed.kernel.rows, len(self.tree.order)
         result = np.zeros((rows, count))
 
         def far(c: Collect) -> Array:
-            return (crosses[c.crosses] @ c.table).reshape(rows, -1)
+            return transposed_times(c.table, crosses[c.crosses]).reshape(rows, -1)
 
         def near(b: int) -> Array:
-            part = values[:, self.near.functions[b]].ravel()
+            part = unknowns[:, self.near.functions[b]].ravel()
             return (self.near.matrix(b) @ part).reshape(rows, -1)
 
         for c, made in zip(self.collect, in_shares(far, self.collect), strict=True):
@@ -110,13 +111,24 @@ def in_shares(task: Callable[[Any], Array], items: Sequence[Any]) -> list[Array]
 
 
 def compress(
-    mixed: MixedKernel, space: Space, targets: Targets, quadrature: Rules, tolerance: float
+    mixed: MixedKernel,
+    space: Space,
+    targets: Targets,
+    quadrature: Rules,
+    tolerance: float,
+    own: Array,
 ) -> CompressedMatrix:
-    """The compressed matrix of a mixed kernel, each far block within ``tolerance`` of its size."""
+    """The compressed matrix of a mixed kernel, each far block within ``tolerance`` of its size.
+
+    From it are taken ``own`` (patches, rows, unknowns) times the functions' values at targets that
+    lie on their patch.
+    """
     panels = PanelList.of(space, tuple(split_patch(p.surface) for p in space.boundary.patches))
     tree = cluster(targets.position, np.zeros(targets.count), LEAF)
     builder = _Builder(mixed, panels, tree, targets, quadrature, tolerance)
     near = builder.near()
+    for patch in np.nonzero(own.any(axis=(1, 2)))[0]:
+        near.take(space, int(patch), own[patch])
     spread, collect = builder.far()
     return CompressedMatrix(mixed, tree, near, spread, collect)
 
@@ -134,7 +146,7 @@ class _Builder:
 
     @property
     def dtype(self) -> type:
-        """Of all that is kept."""
+        """Of crosses.  Near blocks need all digits: a pressure makes large, opposite tractions."""
         return np.float32 if self.tolerance >= FLOAT32_FROM else np.float64
 
     @cached_property
@@ -148,24 +160,42 @@ class _Builder:
         return self.unordered.ordered(self.panel_tree.order)
 
     @cached_property
-    def orders(self) -> tuple[int, ...]:
-        """The lowest Gauss order of each patch."""
-        degrees = [max(p.surface.degrees) for p in self.panels.panels]
-        return tuple(self.quadrature.orders(d)[0] for d in degrees)
+    def orders(self) -> list[list[int]]:
+        """Gauss orders for panels far away, as many for each patch, ascending."""
+        rules, orders = self.quadrature, []
+        for panels in self.panels.panels:
+            degree = max(panels.surface.degrees)
+            lower = rules.lower_orders(degree)
+            orders.append([*lower[-LOWER:], rules.orders(degree)[0]])
+        most = max(map(len, orders))
+        return [o[:1] * (most - len(o)) + o for o in orders]
+
+    @cached_property
+    def _reaches(self) -> Array:
+        """Distance from which each order is good enough for all panels of a cluster: (orders, C)."""
+        rules, tree = self.quadrature, self.panel_tree
+        factors = np.array([
+            [rules.reach(o, max(p.surface.degrees)) for o in orders]
+            for p, orders in zip(self.panels.panels, self.orders, strict=True)
+        ])  # fmt: skip
+        reach = factors[self.panels.patch].T * self.panels.lengths()
+        pairs = zip(tree.start, tree.stop, strict=True)
+        return np.stack([reach[:, a:b].max(axis=1) for a, b in pairs], axis=1)
+
+    def _gap(self, t: int, s: int) -> float:
+        """Distance between two clusters' balls."""
+        own, other = self.tree, self.panel_tree
+        away = np.linalg.norm(own.centre[:, t] - other.centre[:, s])
+        return float(away - own.radius[t] - other.radius[s])
 
     @cached_property
     def partition(self) -> tuple[Pairs, Pairs]:
         """Far and near pairs of clusters of targets and panels."""
         t, s = self.tree, self.panel_tree
-        degrees = [max(p.surface.degrees) for p in self.panels.panels]
-        factors = [self.quadrature.reach(o, d) for o, d in zip(self.orders, degrees, strict=True)]
-        reach = self.panels.lengths() * np.array(factors)[self.panels.patch]
-        widest = [reach[a:b].max() for a, b in zip(s.start, s.stop, strict=True)]
 
         def is_far(i: int, j: int) -> bool:
-            away = float(np.linalg.norm(t.centre[:, i] - s.centre[:, j]))
-            gap = away - t.radius[i] - s.radius[j]
-            return gap > max(SEPARATION * max(t.radius[i], s.radius[j]), widest[j])
+            least = max(SEPARATION * max(t.radius[i], s.radius[j]), self._reaches[-1, j])
+            return self._gap(i, j) > least
 
         return partition(t, s, is_far)
 
@@ -219,10 +249,12 @@ class _Builder:
         made: list[list[tuple[Array, Array]]] = [[] for _ in jobs]
 
         def work(k: int, job: tuple[int, list[int]]) -> None:
-            seen = self._seen(job[0])
-            for t in job[1]:
+            s, near = job
+            levels = [self._level(t, s) for t in near]
+            seen = {level: self._seen(s, level) for level in set(levels)}
+            for t, level in zip(near, levels, strict=True):
                 at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
-                pair = cross_approximation(seen, at, self.tolerance)
+                pair = cross_approximation(seen[level], at, self.tolerance)
                 made[k].append((pair[0].astype(self.dtype), pair[1].astype(self.dtype)))
 
         run_tasks(work, jobs, "far interactions")
@@ -248,10 +280,15 @@ class _Builder:
         return sources(self.panels, (POINTS,) * len(self.panels.panels))
 
     @cached_property
-    def _nodes(self) -> Sources:
-        return sources(self.panels, self.orders)
+    def _nodes(self) -> list[Sources]:
+        """Nodes of each of the ``orders``."""
+        return [sources(self.panels, tuple(o)) for o in zip(*self.orders, strict=True)]
 
-    def _seen(self, s: int) -> Seen:
+    def _level(self, t: int, s: int) -> int:
+        """The first of the ``orders`` that is good enough between two clusters."""
+        return int((self._reaches[:-1, s] > self._gap(t, s)).sum())
+
+    def _seen(self, s: int, level: int) -> Seen:
         part = slice(self.panel_tree.start[s], self.panel_tree.stop[s])
         numbers = self.functions_of(s)
         flat, first = self.functions
@@ -259,7 +296,7 @@ class _Builder:
         return Seen(
             self.mixed,
             self._points.part(part),
-            self._nodes.part(part),
+            self._nodes[level].part(part),
             self.panels.patch[part],
             np.searchsorted(numbers, flat[starts[0] : starts[-1]]),
             starts - starts[0],

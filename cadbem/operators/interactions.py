@@ -1,9 +1,10 @@
-"""Interactions of a patch with targets: far, middle and near pairs through one contraction.
+"""Interactions of a patch with targets: far, middle and near pairs.
 
-A pair of a target and a panel is *far* when the lowest tensor rule resolves it, *middle* when a
-higher one does, *near* otherwise (then the rule is polar, see ``cadbem.quadrature.near``).  All
-three give nodes and weights; the kernel fills a table; the table times the weighted functions
-goes to a sink: matrix entries, or potentials of given densities.
+A pair of a target and a panel is *far* when the ball around the panel shows that a tensor rule of
+low order resolves it, *middle* when a tensor rule does by the distance to the closest point, *near*
+otherwise (then the rule is polar, see ``cadbem.quadrature.near``).  All three give nodes and
+weights; the kernel fills a table; the table times the weighted functions goes to a sink: matrix
+entries, or potentials of given densities.
 """
 
 from __future__ import annotations
@@ -65,11 +66,8 @@ def interact(
     for k, order in enumerate(orders):
         target, panel = by_blocks(level == k)
         add_tensor(kernel, panels, order, targets.position, target, panel, sink)
-    pairs = by_blocks(level == len(orders))
-    close = _Close.of(panels, patch, targets, quadrature, *pairs)
-    for k in range(len(close.orders)):
-        close.add(kernel, k, targets, sink)
-    _near(kernel, panels, targets, close, quadrature, sink)
+    close = by_blocks(level == len(orders))
+    _add_close(kernel, panels, patch, targets, close, quadrature, sink)
 
 
 def interact_pairs(
@@ -85,12 +83,29 @@ def interact_pairs(
     by_panel = np.argsort(pairs[1], kind="stable")
     target, panel = pairs[0][by_panel], pairs[1][by_panel]
     degree = max(panels.surface.degrees)
-    lowest = quadrature.orders(degree)[0]
+    orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
     centres, radii = panels.sphere
-    away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0)
-    far = away > (quadrature.reach(lowest, degree) * panels.lengths + radii)[panel]
-    add_tensor(kernel, panels, lowest, targets.position, target[far], panel[far], sink)
-    close = _Close.of(panels, patch, targets, quadrature, target[~far], panel[~far])
+    away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0) - radii[panel]
+    ratio = away / panels.lengths[panel]
+    level = np.sum([ratio < quadrature.reach(order, degree) for order in orders], axis=0)
+    for k, order in enumerate(orders):
+        far = target[level == k], panel[level == k]
+        add_tensor(kernel, panels, order, targets.position, *far, sink)
+    rest = level == len(orders)
+    _add_close(kernel, panels, patch, targets, (target[rest], panel[rest]), quadrature, sink)
+
+
+def _add_close(
+    kernel: Kernel,
+    panels: Panels,
+    patch: int,
+    targets: Targets,
+    pairs: tuple[Index, Index],
+    quadrature: Rules,
+    sink: Sink,
+) -> None:
+    """Add pairs that may be too close for the lowest of the rule's orders."""
+    close = _Close.of(panels, patch, targets, quadrature, *pairs)
     for k in range(len(close.orders)):
         close.add(kernel, k, targets, sink)
     _near(kernel, panels, targets, close, quadrature, sink)

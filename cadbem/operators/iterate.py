@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse.linalg import LinearOperator, gmres
+from scipy.sparse.linalg import LinearOperator, gcrotmk
 from tqdm import tqdm
 
 from cadbem.errors import SolverError
@@ -16,7 +15,7 @@ from cadbem.operators.compressed import CompressedMatrix
 from cadbem.operators.overlapping import Overlapping
 from cadbem.operators.solve import Border, Solved
 
-RESTART, CYCLES = 150, 4
+INNER, KEPT, OUTER = 150, 10, 4  # iterations between restarts, directions kept, restarts
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +48,8 @@ class Iteration:
     @cached_property
     def _weights(self) -> Array:
         """Factors (k,) of the constraints, which give each the weight of all equations."""
-        norms = np.linalg.norm((self.border.rows * self.scale).reshape(len(self.border.rows), -1))
-        return np.full(len(self.border.rows), np.sqrt(self.scale.size) / np.maximum(norms, 1e-300))
+        rows = (self.border.rows * self.scale).reshape(len(self.border.rows), -1)
+        return np.sqrt(self.scale.size) / np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
 
     @cached_property
     def _rows(self) -> Array:
@@ -89,29 +88,26 @@ class Iteration:
 
     def _solve(self, right: Array, constraints: Array) -> Solved:
         whole = np.concatenate([right.ravel(), self._weights * constraints])
-        operator = LinearOperator(
-            (whole.size, whole.size), lambda z: self._apply(self._precondition(z)), dtype=float
-        )
-        residuals: list[float] = []
+        iterations = 0
         with tqdm(desc="iterations", delay=2.0, leave=False, disable=None) as bar:
-            solution, failed = gmres(
-                operator, whole, rtol=self.tolerance, restart=RESTART, maxiter=CYCLES,
-                callback=_counter(residuals, bar), callback_type="pr_norm",
-            )  # fmt: skip
+
+            def apply(values: Array) -> Array:
+                nonlocal iterations
+                iterations += 1
+                bar.update()
+                return self._apply(values)
+
+            operator = LinearOperator((whole.size, whole.size), apply, dtype=float)
+            rough = LinearOperator(operator.shape, self._precondition, dtype=float)
+            # flexible, for the preconditioner rounds to 32 bits
+            values, failed = gcrotmk(
+                operator, whole, M=rough, rtol=self.tolerance, m=INNER, k=KEPT, maxiter=OUTER
+            )
         if failed:
+            residual = np.linalg.norm(self._apply(values) - whole) / np.linalg.norm(whole)
             raise SolverError(
-                f"the flow did not converge: residual {residuals[-1]:.1e} after {len(residuals)} "
+                f"the flow did not converge: residual {residual:.1e} after {iterations} "
                 f"iterations, asked {self.tolerance:.1e}; take a finer grid, or storage=Dense()"
             )
-        values = self._precondition(solution)
         unknowns = values[: self.scale.size].reshape(self.scale.shape) * self.scale
-        return Solved(unknowns, values[self.scale.size :], len(residuals))
-
-
-def _counter(residuals: list[float], bar: tqdm) -> Callable[[float], None]:
-    def count(residual: float) -> None:
-        residuals.append(float(residual))
-        bar.update()
-        bar.set_postfix_str(f"residual {residual:.1e}")
-
-    return count
+        return Solved(unknowns, values[self.scale.size :], iterations)

@@ -39,9 +39,14 @@ class Layers:
     space: Space
     entries: Array
 
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        return self.entries.shape[1]
+
     def apply(self, single: Array, double: Array) -> Array:
         """S @ single + D @ double for coefficients (components, F): shape (rows, T)."""
-        result = np.zeros((self.kernel.rows, self.entries.shape[1]))
+        result = np.zeros((self.kernel.rows, self.count))
         for layout, density in ((self.kernel.single, single), (self.kernel.double, double)):
             for i, row in enumerate(layout):
                 for j, entry in enumerate(row):
@@ -54,13 +59,17 @@ class Layers:
         ``single`` and ``double`` (components, k) act alike on each of the patch's functions.
         """
         part = self.entries[:, :, self.space.functions(patch)]
-        shape = (self.kernel.rows, part.shape[1], single.shape[1], part.shape[2])
-        result = np.zeros(shape)
-        for layout, mixing in ((self.kernel.single, single), (self.kernel.double, double)):
-            for i, j, k in product(*map(range, (len(layout), *mixing.shape))):
-                if mixing[j, k] != 0.0:
-                    result[i, :, k] += mixing[j, k] * part[layout[i][j]]
-        return result
+        return mixed_columns(self.kernel, part, single, double)
+
+
+def mixed_columns(kernel: Kernel, entries: Array, single: Array, double: Array) -> Array:
+    """Matrix (rows, T, k, n) from a kernel's ``entries`` (·, T, n): see ``Layers.columns``."""
+    result = np.zeros((kernel.rows, entries.shape[1], single.shape[1], entries.shape[2]))
+    for layout, mixing in ((kernel.single, single), (kernel.double, double)):
+        for i, j, k in product(*map(range, (len(layout), *mixing.shape))):
+            if mixing[j, k] != 0.0:
+                result[i, :, k] += mixing[j, k] * entries[layout[i][j]]
+    return result
 
 
 def collocation_targets(space: Space) -> Targets:
@@ -82,6 +91,24 @@ def assemble_layers(kernel: Kernel, space: Space, targets: Targets, quadrature: 
 
     run_tasks(work, tasks(space, targets.count), "boundary integrals")
     return Layers(kernel, space, entries)
+
+
+def assemble_patch(
+    kernel: Kernel, space: Space, patch: int, targets: Targets, quadrature: Rules
+) -> Array:
+    """Entries (entries, T, n) of both layers of one patch."""
+    whole = tasks(space, targets.count)
+    jobs = [job for job in whole if job[0] == patch]
+    shape = jobs[0][1].surface.weights.shape
+    entries = np.zeros((kernel.entries, targets.count, *shape))
+
+    def work(_: int, task: Task) -> None:
+        _, panels, rows = task
+        sink = MatrixSink(entries[:, rows])
+        interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
+
+    run_tasks(work, jobs, "boundary integrals")
+    return entries.reshape(*entries.shape[:2], -1)
 
 
 def tasks(space: Space, count: int) -> list[Task]:

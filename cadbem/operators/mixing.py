@@ -53,7 +53,7 @@ def mix_one(table, single, double, factors, out):
 def integrate(values, first, basis, basis_first, functions, function_first, out):
     """Integrals out (·, F) of tables ``values`` (·, M) against the functions of panels.
 
-    Panel e has the nodes from ``first``[e] on, the weighted functions (nodes, functions) from
+    Panel e has the nodes from ``first``[e] on, the weighted functions (functions, nodes) from
     ``basis_first``[e] on, and its functions are columns ``functions``[function_first[e]:] of out.
     """
     out[:] = 0.0
@@ -61,10 +61,10 @@ def integrate(values, first, basis, basis_first, functions, function_first, out)
         low, count = first[e], first[e + 1] - first[e]
         places = functions[function_first[e] :]
         width = function_first[e + 1] - function_first[e]
-        table = basis[basis_first[e] : basis_first[e + 1]].reshape((count, width))
+        table = basis[basis_first[e] : basis_first[e + 1]].reshape((width, count))
         for r in range(values.shape[0]):
             for f in range(width):
-                total = 0.0
+                total, here, weights = 0.0, values[r, low : low + count], table[f]
                 for m in range(count):
-                    total += values[r, low + m] * table[m, f]
+                    total += here[m] * weights[m]
                 out[r, places[f]] += total

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from threading import Lock
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy as np
 from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.cross import MixedKernel
+from cadbem.space import Space
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,10 +45,33 @@ class NearBlocks:
         first = np.concatenate([[0], np.cumsum(sizes)])
         return cls(mixed, block, place, counts, functions, first, np.zeros(first[-1]))
 
+    @cached_property
+    def flat_functions(self) -> Index:
+        """The functions of all blocks, one after the other."""
+        return np.concatenate(self.functions)
+
+    @cached_property
+    def first_function(self) -> Index:
+        """Where those of each block begin."""
+        return np.concatenate([[0], np.cumsum([len(f) for f in self.functions])])
+
     def matrix(self, block: int) -> Array:
         """A block (rows × T, unknowns × F)."""
         flat = self.entries[self.first[block] : self.first[block + 1]]
         return flat.reshape(self.mixed.kernel.rows * self.counts[block], -1)
+
+    def take(self, space: Space, patch: int, factors: Array) -> None:
+        """Take from all blocks ``factors`` (rows, unknowns) times the functions of a patch at its
+        own collocation points."""
+        values, part = space.collocation_matrix(patch), space.functions(patch)
+        for b in np.unique(self.block[part]):
+            here = np.nonzero(self.block[part] == b)[0]
+            sparse = values[here].tocoo()
+            places = np.searchsorted(self.functions[b], part.start + sparse.col)
+            lines = self.place[part][here[sparse.row]]
+            table = self.matrix(b).reshape(*factors.shape[:1], self.counts[b], factors.shape[1], -1)
+            for i, k in zip(*np.nonzero(factors), strict=True):
+                table[i, lines, k, places] -= factors[i, k] * sparse.data
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,14 +85,6 @@ class NearSink:
     columns: int
     lock: Lock
 
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        values = np.ascontiguousarray((table @ basis).swapaxes(0, 1))
-        u, v = np.arange(part_u.start, part_u.stop), np.arange(part_v.start, part_v.stop)
-        numbers = (self.offset + u[:, None] * self.columns + v).ravel()
-        self._add(np.asarray(rows), np.broadcast_to(numbers, (len(values), len(numbers))), values)
-
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         u = first_u[:, None, None] + np.arange(values.shape[2])[:, None]
         v = first_v[:, None, None] + np.arange(values.shape[3])
@@ -75,39 +92,39 @@ class NearSink:
         self._add(rows, numbers, values.reshape(*values.shape[:2], -1))
 
     def _add(self, rows: Index, numbers: Index, values: Array) -> None:
-        """Add values (R, entries, F) of functions with numbers (R, F)."""
+        """Add values (R, entries, F) of functions with numbers (R, F), or (1, F) for all rows."""
         own, mixed = self.blocks, self.blocks.mixed
-        block = own.block[rows]
-        numbers = np.ascontiguousarray(numbers)
-        places = np.empty_like(numbers)
-        for b in np.unique(block):
-            here = block == b
-            places[here] = np.searchsorted(own.functions[b], numbers[here])
-        widths = np.array([len(f) for f in own.functions])
         with self.lock:
             scatter(
-                values, *mixed.layouts, mixed.mixing[self.patch], own.first[block],
-                own.place[rows], own.counts[block], widths[block], places, own.entries,
+                rows, numbers, values, *mixed.layouts, mixed.mixing[self.patch], own.block,
+                own.place, own.counts, own.flat_functions, own.first_function, own.first,
+                own.entries,
             )  # fmt: skip
 
 
 @compiled(fastmath=True)
-def scatter(values, single, double, mixing, first, place, counts, widths, places, entries):
-    """Add mixed ``values`` (R, entries, F) to blocks in flat ``entries``; see ``NearBlocks``.
-
-    ``first``, ``counts`` and ``widths`` (R,) describe the block of each row, ``places`` (R, F) the
-    columns.
-    """
-    rows, components, unknowns = single.shape[0], single.shape[1], mixing.shape[2]
+def scatter(
+    rows, numbers, values, single, double, mixing, block, place, counts, functions,
+    first_function, first, entries,
+):  # fmt: skip
+    """Add ``values`` (R, entries, F) to near blocks; see ``NearBlocks`` and ``NearSink._add``."""
+    width, unknowns = values.shape[2], mixing.shape[2]
+    places, last = np.empty(width, dtype=np.int64), -1
     for r in range(values.shape[0]):
-        for i in range(rows):
+        b = block[rows[r]]
+        if b != last or len(numbers) > 1:
+            here = functions[first_function[b] : first_function[b + 1]]
+            places[:] = np.searchsorted(here, numbers[min(r, len(numbers) - 1)])
+            last = b
+        columns = first_function[b + 1] - first_function[b]
+        for i in range(single.shape[0]):
             for k in range(unknowns):
-                line = (i * counts[r] + place[r]) * unknowns + k
-                start = first[r] + line * widths[r]
-                for j in range(components):
-                    f, u = mixing[0, j, k], mixing[1, j, k]
-                    if f == 0.0 and u == 0.0:
-                        continue
-                    for m in range(values.shape[2]):
-                        value = f * values[r, single[i, j], m] + u * values[r, double[i, j], m]
-                        entries[start + places[r, m]] += value
+                line = (i * counts[b] + place[rows[r]]) * unknowns + k
+                into = entries[first[b] + line * columns : first[b] + (line + 1) * columns]
+                for j in range(single.shape[1]):
+                    for layer in range(2):
+                        factor = mixing[layer, j, k]
+                        if factor != 0.0:
+                            part = values[r, single[i, j] if layer == 0 else double[i, j]]
+                            for m in range(width):
+                                into[places[m]] += factor * part[m]

@@ -69,7 +69,7 @@ def _square(near: NearBlocks, numbers: Index) -> Array:
     """The part (components × m, components × m) of the near blocks that belongs to m unknowns; zero
     where no block has it."""
     rows, unknowns = near.mixed.kernel.rows, near.mixed.unknowns
-    result = np.zeros((rows, len(numbers), unknowns, len(numbers)), dtype=near.entries.dtype)
+    result = np.zeros((rows, len(numbers), unknowns, len(numbers)), dtype=np.float32)
     for b in np.unique(near.block[numbers]):
         here = np.nonzero(near.block[numbers] == b)[0]
         known = np.nonzero(np.isin(numbers, near.functions[b]))[0]

@@ -13,28 +13,34 @@ from cadbem.spline.basis import Array
 
 
 @dataclass(frozen=True, eq=False)
+class Solved:
+    """``unknowns`` (components, F[, M]), the factors (k[, M]) of a ``border``'s fields, and the
+    number of ``iterations`` that it took."""
+
+    unknowns: Array
+    border: Array
+    iterations: int = 0
+
+
+@dataclass(frozen=True, eq=False)
 class DenseFactors:
     """LU factors of a dense system with unknowns (components, F)."""
 
     factors: tuple[Array, Array]
     shape: tuple[int, int]
 
-    def solve(self, right: Array, constraints: Array | float = 0.0) -> Array:
-        """Unknowns (components, F[, M]) for a right side (rows, T), or for M of them (·, ·, M).
+    def solve(self, right: Array, constraints: Array | float = 0.0) -> Solved:
+        """The solution for a right side (rows, T), or for M of them (rows, T, M).
 
         ``constraints`` (k,) are the right sides of a border's rows.
         """
-        return self.solve_bordered(right, constraints)[0]
-
-    def solve_bordered(self, right: Array, constraints: Array | float) -> tuple[Array, Array]:
-        """The unknowns, and the factors (k[, M]) of a border's fields."""
         equations, count = right.shape[0] * right.shape[1], self.shape[0] * self.shape[1]
         columns = np.empty((len(self.factors[1]), *right.shape[2:]))
         columns[:equations] = right.reshape(equations, *right.shape[2:])
         columns[equations:] = constraints
         # the factors are those of the transposed matrix, which saved a copy
         solution = lu_solve(self.factors, columns, trans=1)
-        return solution[:count].reshape(*self.shape, *right.shape[2:]), solution[count:]
+        return Solved(solution[:count].reshape(*self.shape, *right.shape[2:]), solution[count:])
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +68,7 @@ def factorise(
     removes null spaces.
     """
     space, rows = layers.space, layers.kernel.rows
-    count, unknowns = layers.entries.shape[1], single[0].shape[1]
+    count, unknowns = layers.count, single[0].shape[1]
     extra = 0 if border is None else len(border.rows)
     equations, columns = rows * count, unknowns * space.count
     square = np.zeros((equations + extra, columns + extra))
@@ -73,7 +79,7 @@ def factorise(
     for patch, (f, u) in enumerate(zip(single, double, strict=True)):
         part = space.functions(patch)
         block = layers.columns(patch, f, u)
-        own = space.collocation_matrix(patch)
+        own = space.collocation_matrix(patch).toarray()
         block[:, part] -= free_term * u[:, None, :, None] * own[None, :, None, :]
         matrix[:, :, :, part] = block
     factors = lu_factor(square.T, overwrite_a=True, check_finite=False)

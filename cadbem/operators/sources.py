@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Array, Index
-from cadbem.operators.panels import Panels, tensor_nodes
+from cadbem.operators.panels import Nodes, Panels, tensor_nodes
 from cadbem.space import Space
 
 
@@ -58,7 +58,7 @@ class Sources:
     """Nodes of one tensor rule on a list of panels.
 
     ``position`` and ``normal`` (dim, M) with panel e's nodes from ``first``[e] (E + 1,) on;
-    ``basis`` its weighted functions (nodes, functions), flat from ``basis_first``[e] on.
+    ``basis`` its weighted functions (functions, nodes), flat from ``basis_first``[e] on.
     """
 
     position: Array
@@ -88,7 +88,7 @@ def sources(panels: PanelList, orders: tuple[int, ...]) -> Sources:
     dim = panels.space.boundary.dimension
     position = [n.position.reshape(dim, len(t), -1) for n, t in zip(nodes, tables, strict=True)]
     normal = [n.normal.reshape(dim, len(t), -1) for n, t in zip(nodes, tables, strict=True)]
-    counts = np.array([position[i].shape[2] for i in range(len(nodes))], dtype=np.int64)
+    counts = np.array([p.shape[2] for p in position], dtype=np.int64)
     basis, basis_first = _flat([tables[p][e].ravel() for p, e in pairs])
     return Sources(
         np.concatenate([position[p][:, e] for p, e in pairs], axis=1),
@@ -99,11 +99,11 @@ def sources(panels: PanelList, orders: tuple[int, ...]) -> Sources:
     )
 
 
-def _weighted(panels: Panels, nodes) -> Array:  # type: ignore[no-untyped-def]
-    """Weighted functions (E, nodes, functions) of each panel of a patch."""
+def _weighted(panels: Panels, nodes: Nodes) -> Array:
+    """Weighted functions (E, functions, nodes) of each panel of a patch."""
     a, b = panels.shape
     tables = [nodes.basis(panels, i, slice(j, j + 1))[0] for i in range(a) for j in range(b)]
-    return np.array(tables)
+    return np.array(tables).swapaxes(1, 2)
 
 
 def _functions(panels: Panels, offset: int) -> Index:

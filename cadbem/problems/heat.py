@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.sparse import block_diag
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
@@ -101,7 +101,7 @@ class HeatProblem:
         splits = [split_heat(self.conditions[p.name], slope) for p in self.boundary.patches]
         system = MixedSystem(self.layers, 1 / self.conductivity, splits)
         temperature, flux = system.known()
-        unknowns = system.unknowns(temperature, flux, self._source_term())
+        unknowns = system.unknowns(temperature, flux, self._source_term()).unknowns
         radiating = self._radiating()
         if radiating:
             part = np.concatenate([np.arange(*self._range(i)) for i in radiating])
@@ -135,7 +135,7 @@ class HeatProblem:
         linear in g; with N the functions at the collocation points, N g = slope N c - f(N c).
         Raises ``ConditionError`` when it does not converge to absolute temperatures.
         """
-        basis = block_diag(*map(self.space.collocation_matrix, patches))
+        basis = block_diag([self.space.collocation_matrix(i) for i in patches]).toarray()
         start = max(abs(basis @ base).max(), self._hottest_ambient(patches))
         control = np.full(len(base), start)
         for _ in range(MOST_STEPS):

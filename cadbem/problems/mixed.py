@@ -17,10 +17,12 @@ from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.interactions import Targets
+from cadbem.operators.compressed_layers import CompressedLayers
+from cadbem.operators.iterate import Iteration
 from cadbem.operators.layers import Layers
 from cadbem.operators.locate import locate
 from cadbem.operators.potentials import Potentials
-from cadbem.operators.solve import Border, DenseFactors, factorise
+from cadbem.operators.solve import Border, DenseFactors, Solved, factorise
 from cadbem.points import SurfacePoints
 from cadbem.quadrature import Rules
 from cadbem.space import Space
@@ -47,7 +49,7 @@ class MixedSystem:
     ``border`` fixes what the equations leave open.
     """
 
-    layers: Layers
+    layers: Layers | CompressedLayers
     flux_factor: float
     splits: Sequence[Split]
     border: Border | None = None
@@ -73,10 +75,12 @@ class MixedSystem:
         return value, flux
 
     @cached_property
-    def factors(self) -> DenseFactors:
-        """Factors of the matrix that acts on the unknowns."""
+    def factors(self) -> DenseFactors | Iteration:
+        """What solves for the unknowns."""
         single = [self.flux_factor * s.flux_mixing for s in self.splits]
         double = [s.value_mixing for s in self.splits]
+        if isinstance(self.layers, CompressedLayers):
+            return self.layers.system(self.free_term, single, double, self.border)
         return factorise(self.layers, self.free_term, single, double, self.border)
 
     def unknowns(
@@ -85,12 +89,12 @@ class MixedSystem:
         flux: Array,
         source: Array | float = 0.0,
         constraints: Array | float = 0.0,
-    ) -> Array:
+    ) -> Solved:
         """Unknowns (k, F) that go with known coefficients and a ``source`` (rows, T).
 
         ``constraints`` (k,) are the right sides of the border's rows.
         """
-        right = np.zeros((self.layers.kernel.rows, self.layers.entries.shape[1])) - source
+        right = np.zeros((self.layers.kernel.rows, self.layers.count)) - source
         if value.any() or flux.any():
             right += self.free_term * self.space.values(value)
             right -= self.layers.apply(self.flux_factor * flux, value)
@@ -101,7 +105,7 @@ class MixedSystem:
         one = np.eye(self.layers.kernel.components)
         blocks = [self.layers.columns(i, one, 0 * one) for i in patches]
         right = np.concatenate([b.reshape(*b.shape[:2], -1) for b in blocks], axis=2)
-        return self.factors.solve(-self.flux_factor * right)
+        return self.factors.solve(-self.flux_factor * right).unknowns
 
     def complete(self, value: Array, flux: Array, unknowns: Array) -> tuple[Array, Array]:
         """Coefficients of the whole value and flux from known parts and unknowns."""

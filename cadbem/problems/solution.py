@@ -26,18 +26,20 @@ if TYPE_CHECKING:
 @dataclass(frozen=True, eq=False)
 class StokesSolution:
     """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, on top of
-    a ``background`` flow."""
+    a ``background`` flow; the ``iterations`` that it took, 0 if solved at once."""
 
     problem: StokesProblem
     velocity: Field
     traction: Field
     background: Background
+    iterations: int = 0
 
     def __add__(self, other: StokesSolution) -> StokesSolution:
         """This flow and another one's boundary fields, on this one's background."""
         velocity = Field(self.space, self.velocity.coefficients + other.velocity.coefficients)
         traction = Field(self.space, self.traction.coefficients + other.traction.coefficients)
-        return replace(self, velocity=velocity, traction=traction)
+        iterations = self.iterations + other.iterations
+        return replace(self, velocity=velocity, traction=traction, iterations=iterations)
 
     @property
     def space(self) -> Space:

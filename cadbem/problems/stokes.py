@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
+from cadbem.operators.compressed_layers import CompressedLayers
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
+from cadbem.operators.storage import Compressed, Storage, storage_for
 from cadbem.problems.bodies import Surface, closed_surfaces, point_inside
 from cadbem.problems.conditions import (
     Background,
@@ -53,7 +55,8 @@ class StokesProblem:
     ``viscosity`` in pressure × time, in whatever consistent units; ``conditions`` one a name of
     the boundary.  If no closed surface holds the fluid it is unbounded: a ``background`` flow may
     then be given, which the flow tends to far away.  Where all velocities around the fluid are
-    given, so that its pressure is open, f·n has the mean 0 on its container.
+    given, so that its pressure is open, f·n has the mean 0 on its container.  ``storage`` of the
+    matrix, ``Dense()`` or ``Compressed(tolerance)``; by default what suits the number of points.
 
     Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
     drive no flow, given velocities that let in more than out, a background within walls, unbounded
@@ -66,6 +69,7 @@ class StokesProblem:
     conditions: Mapping[str, Condition]
     quadrature: Rules = field(default_factory=Quadrature)
     background: Background = Background()
+    storage: Storage | None = None
 
     def __post_init__(self) -> None:
         if not self.viscosity > 0:
@@ -130,10 +134,13 @@ class StokesProblem:
         }
 
     @cached_property
-    def layers(self) -> Layers:
+    def layers(self) -> Layers | CompressedLayers:
         """Both layers at the collocation points."""
-        targets = collocation_targets(self.space)
         kernel, _ = stokes_kernels(self.boundary.dimension)
+        storage = self.storage or storage_for(self.space.count)
+        if isinstance(storage, Compressed):
+            return CompressedLayers(kernel, self.space, self.quadrature, storage.tolerance)
+        targets = collocation_targets(self.space)
         return assemble_layers(kernel, self.space, targets, self.quadrature)
 
     @cached_property
@@ -219,10 +226,10 @@ class StokesProblem:
         plates = np.where(self.thin, known[0], 0.0)
         source = twice * (background - self.space.values(plates))
         constraints = values - self.constraints.of(known[0] - plates, known[1])
-        unknowns = self.system.unknowns(known[0] - plates, known[1], source, constraints)
-        velocity, traction = self.system.complete(*known, unknowns)
+        solved = self.system.unknowns(known[0] - plates, known[1], source, constraints)
+        velocity, traction = self.system.complete(*known, solved.unknowns)
         fields = Field(self.space, velocity), Field(self.space, traction)
-        return StokesSolution(self, *fields, background=Background())
+        return StokesSolution(self, *fields, Background(), solved.iterations)
 
     def _known(self, system: MixedSystem) -> tuple[Array, Array]:
         """Coefficients of the known velocity and traction, inflows scaled to their flow rate."""

@@ -125,14 +125,15 @@ class Resistance:
         for i in range(len(self.boundary.patches)):
             parameters, points, weights = unit.nodes(i)
             basis = rational_basis(self.boundary.patches[i].surface, parameters)
-            rows.append((self._fields(points) * weights) @ basis)
+            fields = self._fields(points) * weights
+            rows.append((fields.reshape(-1, len(weights)) @ basis).reshape(*fields.shape[:2], -1))
         return np.concatenate(rows, axis=2)
 
     def respond(self, velocity: Array, load: Array) -> tuple[Array, Array]:
         """f / μ, coefficients (dim, F), and (U, Ω) in one array, in a velocity u∞ (dim, F) at the
         collocation points, with (F, T) / μ in one array ``load``."""
-        traction, motion = self.factors.solve_bordered(velocity, np.append(-load, 0.0))
-        return traction, motion[:-1]
+        solved = self.factors.solve(velocity, np.append(-load, 0.0))
+        return solved.unknowns, solved.border[:-1]
 
 
 @lru_cache(maxsize=64)

@@ -1,0 +1,44 @@
+"""Products with tables of 32 or 64 bits, summed with 64 bits."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from cadbem.compiled import compiled
+from cadbem.kernels.kernel import Array
+
+
+def times(table: Array, vector: Array) -> Array:
+    """table @ vector (k,) for a table (k, n) and a vector (n,) of 64 bits."""
+    if table.dtype == np.float64:
+        return table @ vector
+    out = np.empty(len(table))
+    _times(table, vector, out)
+    return out
+
+
+def transposed_times(table: Array, vector: Array) -> Array:
+    """vector @ table (n,) for a table (k, n) and a vector (k,) of 64 bits."""
+    if table.dtype == np.float64:
+        return vector @ table
+    out = np.zeros(table.shape[1])
+    _transposed_times(table, vector, out)
+    return out
+
+
+@compiled(fastmath=True)
+def _times(table, vector, out):
+    for k in range(table.shape[0]):
+        row = table[k]
+        total = 0.0
+        for n in range(len(row)):
+            total += row[n] * vector[n]
+        out[k] = total
+
+
+@compiled(fastmath=True)
+def _transposed_times(table, vector, out):
+    for k in range(table.shape[0]):
+        row, factor = table[k], vector[k]
+        for n in range(len(row)):
+            out[n] += factor * row[n]

@@ -1,0 +1,38 @@
+"""How the matrix of layers is kept."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+DENSE_TO = 4000  # collocation points from which a compressed matrix is smaller and faster
+
+
+@dataclass(frozen=True)
+class Dense:
+    """All entries, factorised once: best for many right sides and few points.
+
+    Memory and time grow with the second and the third power of the points.
+    """
+
+
+@dataclass(frozen=True)
+class Compressed:
+    """Blocks of low rank far away, solved by iteration: memory grows hardly faster than the points.
+
+    ``tolerance`` of each block, and of the residual relative to the right side.  From 1e-6 on
+    numbers of 32 bits are kept.  Raises ``ValueError`` unless 1e-12 <= tolerance <= 1e-2.
+    """
+
+    tolerance: float = 1e-6
+
+    def __post_init__(self) -> None:
+        if not 1e-12 <= self.tolerance <= 1e-2:
+            raise ValueError(f"Compressed({self.tolerance}): tolerances from 1e-12 to 1e-2")
+
+
+Storage = Dense | Compressed
+
+
+def storage_for(count: int) -> Storage:
+    """What suits so many collocation points."""
+    return Dense() if count <= DENSE_TO else Compressed()
