@@ -1,9 +1,10 @@
-"""Interactions of a patch with targets: far, middle and near pairs through one contraction.
+"""Interactions of a patch with targets: far, middle and near pairs.
 
-A pair of a target and a panel is *far* when the lowest tensor rule resolves it, *middle* when a
-higher one does, *near* otherwise (then the rule is polar, see ``cadbem.quadrature.near``).  All
-three give nodes and weights; the kernel fills a table; the table times the weighted functions
-goes to a sink: matrix entries, or potentials of given densities.
+A pair of a target and a panel is *far* when the ball around the panel shows that a tensor rule of
+low order resolves it, *middle* when a tensor rule does by the distance to the closest point, *near*
+otherwise (then the rule is polar, see ``cadbem.quadrature.near``).  All three give nodes and
+weights; the kernel fills a table; the table times the weighted functions goes to a sink: matrix
+entries, or potentials of given densities.
 """
 
 from __future__ import annotations
@@ -13,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Index, Kernel
-from cadbem.operators.far import far_field, flat
-from cadbem.operators.panels import Nodes, Panels, tensor_nodes
+from cadbem.operators.panels import Panels
 from cadbem.operators.sinks import Sink
+from cadbem.operators.tensor import add_tensor, by_blocks
 from cadbem.quadrature import Rules, near
 from cadbem.quadrature.polar import WHOLE
 from cadbem.spline.basis import Array
@@ -64,11 +65,11 @@ def interact(
     degree = max(panels.surface.degrees)
     orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
     level = panels.levels(targets.position, [quadrature.reach(m, degree) for m in orders])
-    far_field(kernel, panels, targets.position, orders, level, sink)
-    close = _Close.of(panels, patch, targets, quadrature, *np.nonzero(level == len(orders)))
-    for k, order in enumerate(close.orders):
-        _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
-    _near(kernel, panels, targets, close, quadrature, sink)
+    for k, order in enumerate(orders):
+        target, panel = by_blocks(level == k)
+        add_tensor(kernel, panels, order, targets.position, target, panel, sink)
+    close = by_blocks(level == len(orders))
+    _add_close(kernel, panels, patch, targets, close, quadrature, sink)
 
 
 def interact_pairs(
@@ -81,7 +82,8 @@ def interact_pairs(
     sink: Sink,
 ) -> None:
     """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
-    target, panel = pairs
+    by_panel = np.argsort(pairs[1], kind="stable")
+    target, panel = pairs[0][by_panel], pairs[1][by_panel]
     degree = max(panels.surface.degrees)
     orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
     centres, radii = panels.sphere
@@ -89,12 +91,25 @@ def interact_pairs(
     ratio = away / panels.lengths[panel]
     level = np.sum([ratio < quadrature.reach(order, degree) for order in orders], axis=0)
     for k, order in enumerate(orders):
-        here, nodes = level == k, tensor_nodes(panels, order)
-        _middle(kernel, panels, nodes, targets, target[here], panel[here], sink)
+        far = target[level == k], panel[level == k]
+        add_tensor(kernel, panels, order, targets.position, *far, sink)
     rest = level == len(orders)
-    close = _Close.of(panels, patch, targets, quadrature, target[rest], panel[rest])
-    for k, order in enumerate(close.orders):
-        _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
+    _add_close(kernel, panels, patch, targets, (target[rest], panel[rest]), quadrature, sink)
+
+
+def _add_close(
+    kernel: Kernel,
+    panels: Panels,
+    patch: int,
+    targets: Targets,
+    pairs: tuple[Index, Index],
+    quadrature: Rules,
+    sink: Sink,
+) -> None:
+    """Add pairs that may be too close for the lowest of the rule's orders."""
+    close = _Close.of(panels, patch, targets, quadrature, *pairs)
+    for k in range(len(close.orders)):
+        close.add(kernel, k, targets, sink)
     _near(kernel, panels, targets, close, quadrature, sink)
 
 
@@ -112,15 +127,15 @@ def mend(
     What it gives for pairs that are too close goes to ``against``, a sink that takes away; the
     right contributions go to ``sink``.
     """
-    close = _Close.find(panels, patch, targets, quadrature)
-    for k, order in enumerate(close.orders):
-        if k:
-            lowest = tensor_nodes(panels, close.orders[0])
-            _middle(kernel, panels, lowest, targets, *close.pairs(k), against)
-            _middle(kernel, panels, tensor_nodes(panels, order), targets, *close.pairs(k), sink)
-    last = len(close.orders)
-    lowest = tensor_nodes(panels, close.orders[0])
-    _middle(kernel, panels, lowest, targets, *close.pairs(last), against)
+    degree = max(panels.surface.degrees)
+    lowest = quadrature.orders(degree)[0]
+    level = panels.levels(targets.position, [quadrature.reach(lowest, degree)])
+    close = _Close.of(panels, patch, targets, quadrature, *by_blocks(level > 0))
+    for k in range(1, len(close.orders)):
+        close.add(kernel, k, targets, sink)
+    bad = close.level > 0
+    pairs = close.target[bad], close.panel[bad]
+    add_tensor(kernel, panels, lowest, targets.position, *pairs, against)
     _near(kernel, panels, targets, close, quadrature, sink)
 
 
@@ -132,19 +147,12 @@ class _Close:
     that is good enough, their number if none is.
     """
 
+    panels: Panels
     orders: tuple[int, ...]
     target: Index
     panel: Index
     closest: Array
     level: Index
-
-    @classmethod
-    def find(cls, panels: Panels, patch: int, targets: Targets, quadrature: Rules) -> _Close:
-        """The close pairs of a patch."""
-        degree = max(panels.surface.degrees)
-        reach = quadrature.reach(quadrature.orders(degree)[0], degree) * panels.lengths
-        target, panel = panels.close_pairs(targets.position, reach)
-        return cls.of(panels, patch, targets, quadrature, target, panel)
 
     @classmethod
     def of(
@@ -156,7 +164,7 @@ class _Close:
         target: Index,
         panel: Index,
     ) -> _Close:
-        """Given pairs of a patch."""
+        """Given pairs of a patch, those of one panel one after the other."""
         degree = max(panels.surface.degrees)
         orders = quadrature.orders(degree)
         closest = _closest(panels, patch, targets, target, panel)
@@ -164,11 +172,13 @@ class _Close:
         level = np.zeros(len(ratio), dtype=np.int64)
         for order in orders:
             level += ratio < quadrature.reach(order, degree)
-        return cls(orders, target, panel, closest, level)
+        return cls(panels, orders, target, panel, closest, level)
 
-    def pairs(self, level: int) -> tuple[Index, Index]:
-        """Targets and panels of one level."""
-        return self.target[self.level == level], self.panel[self.level == level]
+    def add(self, kernel: Kernel, level: int, targets: Targets, sink: Sink) -> None:
+        """Add the pairs of one of the orders."""
+        here = self.level == level
+        pairs, order = (self.target[here], self.panel[here]), self.orders[level]
+        add_tensor(kernel, self.panels, order, targets.position, *pairs, sink)
 
 
 def _closest(
@@ -189,29 +199,6 @@ def _closest(
     return result
 
 
-def _middle(
-    kernel: Kernel,
-    panels: Panels,
-    nodes: Nodes,
-    targets: Targets,
-    close_target: Index,
-    close_panel: Index,
-    sink: Sink,
-) -> None:
-    if len(close_panel) == 0:
-        return
-    order = np.argsort(close_panel, kind="stable")
-    chosen, starts = np.unique(close_panel[order], return_index=True)
-    for panel, rows in zip(chosen, np.split(close_target[order], starts[1:]), strict=True):
-        a, b = divmod(int(panel), panels.shape[1])
-        basis, part_u, part_v = nodes.basis(panels, a, slice(b, b + 1))
-        here = np.ascontiguousarray(targets.position[:, rows])
-        position, normal = flat(nodes.position[:, a, b]), flat(nodes.normal[:, a, b])
-        room = np.empty(kernel.entries * len(rows) * len(basis))
-        table = kernel.block(here, position, normal, room)
-        sink.block(rows, table, basis, part_u, part_v)
-
-
 def _near(
     kernel: Kernel,
     panels: Panels,
@@ -220,8 +207,9 @@ def _near(
     quadrature: Rules,
     sink: Sink,
 ) -> None:
-    close_target, close_panel = close.pairs(len(close.orders))
-    closest = close.closest[:, close.level == len(close.orders)]
+    left = close.level == len(close.orders)
+    close_target, close_panel = close.target[left], close.panel[left]
+    closest = close.closest[:, left]
     p, q = panels.surface.degrees
     dim, capacity = targets.position.shape[0], NODE_CAPACITY
     position, normal = np.empty((dim, capacity)), np.empty((dim, capacity))

@@ -21,7 +21,8 @@ from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
-TARGET_CHUNK = 2048  # targets a task
+TARGET_CHUNKS = 256, 2048  # targets a task, at least and at most
+SHARES = 2  # tasks of each patch for each core
 
 Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
 
@@ -111,10 +112,12 @@ def assemble_patch(
 
 
 def tasks(space: Space, count: int) -> list[Task]:
-    """Each patch with each chunk of ``count`` targets."""
+    """Each patch with each chunk of ``count`` targets, the most work first."""
     panels = [split_patch(p.surface) for p in space.boundary.patches]
-    chunks = [slice(k, min(k + TARGET_CHUNK, count)) for k in range(0, count, TARGET_CHUNK)]
-    return [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
+    chunk = int(np.clip(-(-count // (SHARES * (os.cpu_count() or 1))), *TARGET_CHUNKS))
+    chunks = [slice(k, min(k + chunk, count)) for k in range(0, count, chunk)]
+    jobs = [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
+    return sorted(jobs, key=lambda job: -len(job[1].flat_nets) * (job[2].stop - job[2].start))
 
 
 @lru_cache(maxsize=1)

@@ -85,14 +85,6 @@ class NearSink:
     columns: int
     lock: Lock
 
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        values = np.ascontiguousarray((table @ basis).swapaxes(0, 1))
-        u, v = np.arange(part_u.start, part_u.stop), np.arange(part_v.start, part_v.stop)
-        numbers = self.offset + u[:, None] * self.columns + v
-        self._add(np.asarray(rows), numbers.reshape(1, -1), values)
-
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         u = first_u[:, None, None] + np.arange(values.shape[2])[:, None]
         v = first_v[:, None, None] + np.arange(values.shape[3])

@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
+from cadbem.compiled import compiled
 from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.quadrature.panels import closest_on_panels, open_squares
@@ -201,24 +201,6 @@ class Nodes:
     weight: Array
     functions: tuple[Array, ...]
 
-    def basis(self, panels: Panels, a: int, b: slice) -> tuple[Array, slice, slice]:
-        """Weighted functions (nodes, functions) on panels (a, b), and which functions they are.
-
-        The functions are the block [slice, slice] of the patch's control net.
-        """
-        p, q = panels.surface.degrees
-        first_u, first_v = panels.first[0][a], panels.first[1][b]
-        part_u = slice(first_u, first_u + p + 1)
-        part_v = slice(first_v[0], first_v[-1] + q + 1)
-        control = panels.surface.weights[part_u, part_v]
-        shape = len(first_v), *(f.shape[1] for f in self.functions)
-        table = np.zeros((*shape, *control.shape))
-        weight = self.weight[a, b].reshape(shape)
-        weighted_functions(
-            weight, self.functions[0][a], self.functions[1][b], first_v - first_v[0], control, table
-        )
-        return table.reshape(weight.size, -1), part_u, part_v
-
     @cached_property
     def flat(self) -> tuple[Array, Array]:
         """Positions and normals (dim, nodes) of all panels' nodes."""
@@ -282,7 +264,7 @@ def _bernstein_tables(degree: int, order: int) -> tuple[Array, Array]:
     return values, slopes
 
 
-@njit(cache=True, nogil=True)
+@compiled
 def ball_levels(targets, centres, bounds, level):
     """How many of the ``bounds`` (J, E) each target's distance to each centre stays below.
 
@@ -298,18 +280,3 @@ def ball_levels(targets, centres, bounds, level):
                 if square < bounds[j, e] ** 2:
                     count += 1
             level[t, e] = count
-
-
-@njit(cache=True, nogil=True)
-def weighted_functions(weight, along_u, along_v, first, control, table):
-    """Functions of a strip of S panels at its nodes, into ``table`` (S, m_u, m_v, i, j), zeros.
-
-    ``weight`` (S, m_u, m_v), ``along_u`` (m_u, p + 1), ``along_v`` (S, m_v, q + 1), whose first
-    function is j = ``first`` (S,); ``control`` (i, j), the functions' weights.
-    """
-    for s, k, m in np.ndindex(weight.shape):
-        for i in range(along_u.shape[1]):
-            value = weight[s, k, m] * along_u[k, i]
-            for j in range(along_v.shape[2]):
-                f = first[s] + j
-                table[s, k, m, i, f] = value * along_v[s, m, j] * control[i, f]

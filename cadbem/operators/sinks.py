@@ -18,11 +18,6 @@ from cadbem.spline.basis import Array
 class Sink(Protocol):
     """Where contributions of a patch go."""
 
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        """Add table (entries, R, nodes) times basis (nodes, functions of the net's block)."""
-
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         """Add values (pairs, entries, p + 1, q + 1) for the functions from (first_u, first_v)."""
 
@@ -32,13 +27,6 @@ class MatrixSink:
     """Adds to ``entries`` (entries, T, n_u, n_v), the kernel's matrix of one patch."""
 
     entries: Array
-
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        shape = (*table.shape[:2], part_u.stop - part_u.start, part_v.stop - part_v.start)
-        values = (table @ basis).reshape(shape)
-        add_block(rows, part_u.start, part_v.start, values, self.entries)
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         add_entries(rows, first_u, first_v, values, self.entries)
@@ -51,16 +39,6 @@ class PotentialSink:
     result: Array
     layouts: Sequence[Layout]
     densities: Sequence[Array]
-
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        for layout, density in zip(self.layouts, self.densities, strict=True):
-            local = density[:, part_u, part_v].reshape(len(density), -1)
-            first = min(map(min, layout))
-            values = table[first : max(map(max, layout)) + 1] @ (basis @ local.T)
-            for i, row in enumerate(layout):
-                self.result[i, rows] += sum(values[e - first, :, j] for j, e in enumerate(row))
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         for layout, density in zip(self.layouts, self.densities, strict=True):
@@ -82,15 +60,6 @@ class Record:
     def negative(self) -> Record:
         """A sink that takes away from the same record."""
         return Record(-self.sign, self.kept)
-
-    def block(
-        self, rows: slice | Index, table: Array, basis: Array, part_u: slice, part_v: slice
-    ) -> None:
-        shape = part_u.stop - part_u.start, part_v.stop - part_v.start
-        values = (table @ basis).swapaxes(0, 1)
-        values = np.ascontiguousarray(values).reshape(*values.shape[:2], *shape)
-        rows = np.asarray(rows)
-        self.pairs(rows, np.full_like(rows, part_u.start), np.full_like(rows, part_v.start), values)
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
         self.kept.append((rows, first_u, first_v, self.sign * values))
@@ -126,21 +95,14 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
 
 
 @compiled
-def add_block(rows, first_u, first_v, values, entries):
-    """Add values (entries, R, i, j) to ``entries`` (entries, T, n_u, n_v)."""
-    for k in range(len(rows)):
-        for e in range(len(entries)):
-            for i in range(values.shape[2]):
-                into = entries[e, rows[k], first_u + i, first_v : first_v + values.shape[3]]
-                for j in range(values.shape[3]):
-                    into[j] += values[e, k, i, j]
-
-
-@compiled
 def add_entries(rows, first_u, first_v, values, entries):
     """Add values (pairs, entries, i, j) to ``entries`` (entries, T, n_u, n_v)."""
     for k in range(len(rows)):
         for e in range(len(entries)):
             for i in range(values.shape[2]):
-                for j in range(values.shape[3]):
-                    entries[e, rows[k], first_u[k] + i, first_v[k] + j] += values[k, e, i, j]
+                # slices once, not indices each time: what is added is short
+                last = first_v[k] + values.shape[3]
+                into = entries[e, rows[k], first_u[k] + i, first_v[k] : last]
+                part = values[k, e, i]
+                for j in range(len(part)):
+                    into[j] += part[j]
