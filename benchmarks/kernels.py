@@ -51,7 +51,7 @@ def compiled_c(folder: str) -> ctypes.CDLL | None:
     if compiler is None:
         return None
     library = Path(folder) / "kernels.so"
-    options = "-O3 -march=native -ffast-math -shared -fPIC".split()
+    options = ["-O3", "-march=native", "-ffast-math", "-shared", "-fPIC"]
     subprocess.run([compiler, *options, str(source), "-o", str(library), "-lm"], check=True)
     return ctypes.CDLL(str(library))
 
