@@ -1,14 +1,13 @@
-"""CPU time of a droplet's velocity beside the floor that its sums set.
+"""CPU time of a droplet in unbounded fluid: its velocity beside the floor that sums set, and steps.
 
-    python benchmarks/droplets.py
+    python -m benchmarks.droplets
 
 The floor is one pass of the plain kernel over as many pairs of targets and sources as the
-velocity needs (far and near), measured in turn with it.  Times are the smallest of several, on
-one thread.
+velocity needs (far and near), measured in turn with it.  A step is one of Euler's, everything
+that a run does included.  Times are the smallest of several.
 """
 
 import os
-import platform
 import time
 from collections.abc import Callable
 
@@ -17,12 +16,14 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np  # noqa: E402
 
 import cadbem as cb  # noqa: E402
+from benchmarks.table import Table, show  # noqa: E402
 from cadbem.kernels.stokes_sums import stokes_sums  # noqa: E402
 from cadbem.operators.closed import ClosedLayers, closed_operator  # noqa: E402
-from cadbem.suspension.droplet import PlacedDroplet
-from cadbem.suspension.together import respond_together
+from cadbem.suspension.droplet import PlacedDroplet  # noqa: E402
+from cadbem.suspension.together import respond_together  # noqa: E402
 
 REPEATS, ROUNDS = 5, 7
+POINTS, RATIOS = (200, 800), (1.0, 0.1, 10.0)
 
 
 def seconds(task: Callable[[], object]) -> float:
@@ -46,7 +47,7 @@ def floor(targets: int, sources: int, passes: int) -> Callable[[], None]:
     return run
 
 
-def compare(points: int, ratio: float) -> str:
+def velocity_row(points: int, ratio: float) -> tuple[str, ...]:
     shape = cb.spline_ellipsoid((1.6, 1.0, 0.7), points=points)
     operator = closed_operator(shape.basis, cb.PolarRule())
     drop, flow = cb.Droplet(shape, cb.SurfaceTension(1.0), ratio), cb.FreeFlow(cb.shear())
@@ -64,18 +65,48 @@ def compare(points: int, ratio: float) -> str:
     pairs = [(seconds(velocity), seconds(plain)) for _ in range(ROUNDS)]
     best, least = np.min(pairs, axis=0)
     return (
-        f"{points:6d} {ratio:6g} {best:10.4f} {least:10.4f} {best / least:8.1f} {iterations:6d}"
-        f" {sources:8d}"
-    )
+        str(shape.basis.count), f"{ratio:g}", str(iterations), str(sources), f"{best:.4f}",
+        f"{least:.4f}", f"{best / least:.1f}",
+    )  # fmt: skip
 
 
-def main() -> None:
-    print(platform.processor() or platform.machine(), os.cpu_count(), "cores, one thread used")
-    print("points  ratio  velocity s    floor s    times  iterations  sources")
-    for points in (200, 800):
-        for ratio in (1.0, 0.1, 10.0):
-            print(compare(points, ratio), flush=True)
+def step_row(points: int, ratio: float) -> tuple[str, ...]:
+    flow, tension = cb.FreeFlow(cb.shear()), cb.SurfaceTension(1.0)
+    euler = cb.Euler(1e-3)
+    times = []
+    for degree, options in (
+        (4, {"stepper": euler}),
+        (4, {"stepper": euler, "mesh": cb.RelaxMesh()}),
+        (2, cb.thesis_methods(1e-3)),
+    ):
+        shape = cb.spline_ellipsoid((1.3, 1.0, 0.8), points=points, degree=degree)
+        run = cb.Simulation(flow, cb.Droplet(shape, tension, ratio), **options).run(1.0)
+        for _ in range(3):
+            next(run)
+        times.append(min(seconds(lambda run=run: next(run)) for _ in range(ROUNDS)))
+    return str(shape.basis.count), f"{ratio:g}", *(f"{t:.4f}" for t in times)
+
+
+def tables() -> list[Table]:
+    cases = [(points, ratio) for points in POINTS for ratio in RATIOS]
+    return [
+        Table(
+            "Velocity of a droplet",
+            "An ellipsoid 1.6 : 1 : 0.7 with λ inside in shear flow; the floor is one pass of the "
+            "plain kernel over all pairs of points and sources, for each iteration.",
+            ("points", "λ", "iterations", "sources", "CPU s", "floor s", "times the floor"),
+            [velocity_row(*case) for case in cases],
+        ),
+        Table(
+            "A step in time of a droplet",
+            "CPU seconds of a step of Euler's with all that a run does: velocities, volume, gaps "
+            "and checks; by default, with the mesh relaxed too, and with the thesis's methods "
+            "(degree 2, singularity subtraction).",
+            ("points", "λ", "default", "relaxed mesh", "thesis's methods"),
+            [step_row(*case) for case in cases],
+        ),
+    ]
 
 
 if __name__ == "__main__":
-    main()
+    show(tables())

@@ -1,9 +1,15 @@
-"""A table of measurements as Markdown."""
+"""Tables of measurements as Markdown, and measurements in a process of their own."""
 
 from __future__ import annotations
 
+import json
+import os
+import subprocess
+import sys
 from collections.abc import Iterable
 from dataclasses import dataclass
+from importlib import import_module
+from pathlib import Path
 
 
 @dataclass(frozen=True)
@@ -26,3 +32,29 @@ def show(tables: Iterable[Table]) -> None:
     """Print each table as soon as it is there."""
     for table in tables:
         print(table.markdown(), flush=True)
+
+
+def write(name: str, path: Path) -> None:
+    """Run a benchmark, print its tables, and write them to a file."""
+    tables = import_module(f"benchmarks.{name}").tables()
+    show(tables)
+    path.write_text("\n".join(table.markdown() for table in tables))
+
+
+def fresh(module: str, *words: str, **environment: str) -> dict[str, float]:
+    """Numbers that `python -m benchmarks.MODULE WORDS` prints last, as JSON."""
+    command = [sys.executable, "-m", f"benchmarks.{module}", *words]
+    done = subprocess.run(
+        command, env=os.environ | environment, stdout=subprocess.PIPE, text=True, check=True
+    )
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def least(rounds: Iterable[dict[str, float]]) -> dict[str, float]:
+    """The smallest of each number over several rounds."""
+    kept = list(rounds)
+    return {key: min(numbers[key] for numbers in kept) for key in kept[0]}
+
+
+if __name__ == "__main__":
+    write(sys.argv[1], Path(sys.argv[2]))

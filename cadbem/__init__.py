@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
     from cadbem.extension import extended as extended
+    from cadbem.operators.equivalent import FarField as FarField
+    from cadbem.operators.storage import Compressed as Compressed
+    from cadbem.operators.storage import Dense as Dense
     from cadbem.post import Frame as Frame
     from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_around as draw_around
@@ -132,6 +135,7 @@ _NAMES = {
         "ShapeError",
     ),
     "extension": ("extended",),
+    "operators.equivalent": ("FarField",),
     "post": (
         "Frame",
         "bezier_grid",
@@ -169,6 +173,7 @@ _NAMES = {
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
     "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
+    "operators.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
     "script": ("fresh_folder", "run", "text_table"),
     "space": ("Field", "Space"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import runpy
 import sys
+import time
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -220,4 +221,9 @@ def _run(options: argparse.Namespace) -> None:
 def _warmup(options: argparse.Namespace) -> None:
     from cadbem.warmup import warm_up
 
-    warm_up(progress=True)
+    start = time.perf_counter()
+    folder = warm_up(progress=True)
+    kept = "nothing could be kept: no folder can be written to"
+    if folder is not None:
+        kept = f"the compiled code is kept in {folder}"
+    print(f"{time.perf_counter() - start:.0f} s; {kept}")

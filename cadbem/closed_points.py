@@ -57,8 +57,9 @@ class ClosedGrid:
     def second(self, coefficients: Array) -> Array:
         """Second derivatives (p, p, ..., N)."""
         units = np.array(self._units)
-        pairs = [[self.values(coefficients, tuple(a + b)) for b in units] for a in units]
-        return np.stack([np.stack(row) for row in pairs])
+        orders = [[tuple((a + b).tolist()) for b in units] for a in units]
+        found = {o: self.values(coefficients, o) for o in {o for row in orders for o in row}}
+        return np.stack([np.stack([found[o] for o in row]) for row in orders])
 
     @property
     def _units(self) -> list[tuple[int, ...]]:

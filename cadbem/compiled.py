@@ -1,9 +1,8 @@
 """Machine code of Python functions, kept on disk until one of the files that it came from changes.
 
 numba's own cache looks at the file of the function alone and so misses an edit of a function that
-another file calls.  Here the code is kept under a stamp of all files of the package that hold
-compiled functions.  One rule follows: numbers that a compiled function takes from its module stand
-in such a file themselves.
+another file calls.  Here the code is kept under a stamp of all files of the package that name this
+module: those with compiled functions, and those that define numbers which these take.
 """
 
 from __future__ import annotations
@@ -11,21 +10,25 @@ from __future__ import annotations
 import functools
 import hashlib
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 
 from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
+from tqdm import tqdm
 
-MARK = b"cadbem.compiled"  # every file with compiled functions imports this module
+MARK = b"cadbem.compiled"
+PATIENCE = 2.0  # seconds of compiling after which a user is told
 
 
 def compiled(function: Callable | None = None, /, **options: Any) -> Any:
     """Decorator: `numba.njit` without the interpreter's lock, its machine code kept on disk.
 
-    The options are those of `njit`.  Where no folder can be written to, nothing is kept.
+    The options are those of `njit`; divisions by zero give infinity or nan, as NumPy's, unless
+    ``error_model="python"``.  Where no folder can be written to, nothing is kept.
     """
     if function is None:
         return functools.partial(compiled, **options)
@@ -36,17 +39,67 @@ def compiled(function: Callable | None = None, /, **options: Any) -> Any:
     return dispatcher
 
 
+@contextmanager
+def quietly() -> Iterator[None]:
+    """Within it, nothing is said about compiling."""
+    _Cache.watch.told, before = True, _Cache.watch.told
+    try:
+        yield
+    finally:
+        _Cache.watch.told = before
+
+
+class _Watch:
+    """Tells the user once what is going on when compiling takes long.
+
+    Functions are compiled one at a time, those that others call within theirs.
+    """
+
+    def __init__(self) -> None:
+        self.told, self.depth, self.since, self.spent = False, 0, 0.0, 0.0
+
+    def start(self) -> None:
+        """A function is about to be compiled."""
+        now = time.monotonic()
+        self.since = self.since if self.depth else now
+        self.depth += 1
+        if not self.told and self.spent + now - self.since > PATIENCE:
+            self.told = True
+            text = "compiling, which is kept for later runs; `cadbem warmup` does it beforehand"
+            tqdm.write(text, file=sys.stderr)
+
+    def stop(self) -> None:
+        """It is compiled."""
+        self.depth -= 1
+        if self.depth == 0:
+            self.spent += time.monotonic() - self.since
+
+
 class _Cache(FunctionCache):
     """numba's cache of one function in the folder numba chooses, under the package's stamp.
 
     Files bear no line numbers, so that those of an edited function are overwritten.
     """
 
+    watch = _Watch()
+
     def __init__(self, function: Callable) -> None:
         super().__init__(function)
         version = sys.implementation.cache_tag + getattr(sys, "abiflags", "")
         name = f"{function.__module__}.{function.__qualname__}.{version}"
         self._cache_file = IndexDataCacheFile(self.cache_path, name, stamp(_package(function)))
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Machine code for a signature from the disk, or None."""
+        found = super().load_overload(sig, target_context)
+        if found is None:
+            self.watch.start()
+        return found
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep machine code."""
+        self.watch.stop()
+        super().save_overload(sig, data)
 
 
 def _package(function: Callable) -> Path:
@@ -57,6 +110,6 @@ def _package(function: Callable) -> Path:
 
 @functools.cache
 def stamp(package: Path) -> str:
-    """Digest of the text of all files below the folder that hold compiled functions."""
+    """Digest of the text of all files below the folder that name this module."""
     texts = (file.read_bytes() for file in sorted(package.rglob("*.py")))
     return hashlib.sha256(b"\0".join(text for text in texts if MARK in text)).hexdigest()

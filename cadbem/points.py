@@ -66,9 +66,9 @@ def dual_tangents(*tangents: Array) -> list[Array]:
     """Vectors in the tangent plane with products 1 and 0 with the tangents."""
     if len(tangents) == 1:
         return [tangents[0] / (tangents[0] ** 2).sum(axis=0)]
-    normal = np.cross(tangents[0], tangents[1], axis=0)
+    normal = area_vector(*tangents)
     normal /= (normal**2).sum(axis=0)
-    return [np.cross(tangents[1], normal, axis=0), np.cross(normal, tangents[0], axis=0)]
+    return [area_vector(tangents[1], normal), area_vector(normal, tangents[0])]
 
 
 def join(parts: list[SurfacePoints]) -> SurfacePoints:

@@ -1,46 +1,123 @@
-"""Compiles the kernels ahead by the smallest flows and droplets that use all of them."""
+"""Compiles ahead by the smallest flows, bodies and heat problems that use all that is compiled."""
 
 from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import Any
 
 import numpy as np
 from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.compiled import quietly
+from cadbem.kernels.stokes_3d import STOKES_3D
+from cadbem.operators.layers import assemble_layers, collocation_targets
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
+from cadbem.problems.heat import HeatProblem
+from cadbem.problems.heat_conditions import HeatCondition, HeatFlux, Temperature
 from cadbem.problems.stokes import StokesProblem
+from cadbem.quadrature import Quadrature, Rules, UniformSubdivision
+from cadbem.quadrature.panels import closest_on_panels
+from cadbem.space import discontinuous_space
 from cadbem.spline.closed import ClosedSpline, spline_circle, spline_sphere
-from cadbem.spline.shapes import box
+from cadbem.spline.outlines import rectangle
+from cadbem.spline.shapes import box, sphere_with_poles
+from cadbem.suspension.body import Body
+from cadbem.suspension.channel_flow import ChannelFlow
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.flows import shear
 from cadbem.suspension.free_flow import FreeFlow
 from cadbem.suspension.interface import SurfaceTension
+from cadbem.suspension.rigid_shapes import rigid_sphere
 from cadbem.suspension.simulation import Simulation
 
+Step = tuple[str, Callable[[], object]]
 
-def warm_up(progress: bool = True) -> None:
-    """Run every compiled function once; numba keeps the machine code on disk."""
-    names = ("inlet", "outlet", "walls", "walls", "walls", "walls")
-    patches = [Patch(s, n, i + 1) for i, (s, n) in enumerate(zip(box(), names, strict=True))]
-    boundary = Boundary(tuple(patches)).elevated(2).refined(2)
+
+def warm_up(progress: bool = True) -> str | None:
+    """Run every compiled function once, so that its machine code is on disk.
+
+    Returns the folder where it is, or above where it is; None if there is none to write to.
+    """
+    steps = list(_steps())
+    with quietly(), tqdm(total=len(steps), disable=None if progress else True) as bar:
+        for name, step in steps:
+            bar.set_description(f"compiling for {name}")
+            step()
+            bar.update()
+    functions: tuple[Any, ...] = STOKES_3D.fill, closest_on_panels
+    paths = [function.stats.cache_path for function in functions]
+    return None if None in paths else os.path.commonpath(paths)
+
+
+def _steps() -> Iterator[Step]:
+    """What uses compiled functions, in few words, and how to do it."""
+    for dimension, place in ((3, "space"), (2, "a plane")):
+        yield f"flow in {place}", partial(_flow, dimension)
+        yield f"heat in {place}", partial(_heat, dimension)
+    yield "droplets in space", partial(_move, spline_sphere(points=128))
+    yield "droplets in a plane", partial(_move, spline_circle(points=24))
+    yield "bodies in a channel", _bodies
+    yield "panels with poles", partial(_assemble, Quadrature())
+    yield "the thesis's rules", partial(_assemble, UniformSubdivision())
+
+
+def _block(dimension: int) -> Boundary:
+    """0 < x, y (, z) < 1, four elements a side: inlet, outlet, and walls."""
+    sides = box() if dimension == 3 else rectangle()
+    names = ("inlet", "outlet", *["walls"] * (len(sides) - 2))
+    patches = [Patch(s, n, i + 1) for i, (s, n) in enumerate(zip(sides, names, strict=True))]
+    return Boundary(tuple(patches)).elevated(2).refined(2)
+
+
+def _points(dimension: int) -> np.ndarray:
+    """Inside, and close to a wall."""
+    return np.array([[0.5, 0.5]] * (dimension - 1) + [[0.5, 1e-3]])
+
+
+def _channel(dimension: int) -> StokesProblem:
     conditions: dict[str, Condition] = {
         "inlet": Inflow(mean_velocity=1.0),
         "outlet": Pressure(0.0),
         "walls": NoSlip(),
     }
-    problem = StokesProblem(boundary, 1.0, conditions)
-    points = np.array([[0.5, 0.5], [0.5, 0.5], [0.5, 1e-3]])
-    steps = (
-        lambda: problem.layers,
-        lambda: problem.solve().velocity_at(points),
-        lambda: problem.solve().pressure_at(points),
-        lambda: _move(spline_circle(points=24)),
-        lambda: _move(spline_sphere(points=128)),
-    )
-    for step in tqdm(steps, desc="compiling", disable=None if progress else True):
-        step()
+    return StokesProblem(_block(dimension), 1.0, conditions)
+
+
+def _flow(dimension: int) -> None:
+    solution = _channel(dimension).solve()
+    solution.velocity_at(_points(dimension))
+    solution.pressure_at(_points(dimension))
+
+
+def _heat(dimension: int) -> None:
+    conditions: dict[str, HeatCondition] = {
+        "inlet": Temperature(0.0),
+        "outlet": Temperature(1.0),
+        "walls": HeatFlux(0.0),
+    }
+    solution = HeatProblem(_block(dimension), 1.0, conditions).solve()
+    solution.temperature_at(_points(dimension))
+    solution.heat_flux_at(_points(dimension))
 
 
 def _move(shape: ClosedSpline) -> None:
     """A droplet with another viscosity than its surroundings: single and double layer."""
     drop = Droplet(shape, SurfaceTension(1.0), viscosity_ratio=0.5)
-    list(Simulation(FreeFlow(shear(dimension=shape.dimension)), drop).run(1e-3))
+    for state in Simulation(FreeFlow(shear(dimension=shape.dimension)), drop).run(1e-3):
+        state.velocity_at(np.full((shape.dimension, 1), 2.0))
+
+
+def _bodies() -> None:
+    shape = spline_sphere(0.1, (0.3, 0.5, 0.5), points=128)
+    drop = Droplet(shape, SurfaceTension(1.0), viscosity_ratio=0.5)
+    bodies: list[Body] = [drop, rigid_sphere(0.1, (0.7, 0.5, 0.5), spans=1)]
+    list(Simulation(ChannelFlow(_channel(3)), bodies).run(1e-6))
+
+
+def _assemble(quadrature: Rules) -> None:
+    patches = tuple(Patch(s, "ball") for s in sphere_with_poles())
+    space = discontinuous_space(Boundary(patches).refined(2))
+    assemble_layers(STOKES_3D, space, collocation_targets(space), quadrature)

@@ -13,7 +13,7 @@ from cadbem.points import surface_points
 from cadbem.quadrature import Quadrature, UniformSubdivision, near
 from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit
 from cadbem.quadrature.panels import closest_on_panels, open_squares
-from cadbem.quadrature.polar import collapsed_sides
+from cadbem.quadrature.polar import WHOLE, collapsed_sides
 from cadbem.quadrature.uniform import subdivided_nodes, triangle_nodes
 from cadbem.spline.shapes import sphere_octants
 
@@ -41,7 +41,8 @@ def near_rule(surface, target, tolerance, own=None):
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((3, len(nets)))
     done = near.place_nodes(
-        nets, collapsed_sides(nets), index, 0, *closest, tolerance, None, 0, near.gauss_table(),
+        nets, WHOLE, collapsed_sides(nets), index, 0, *closest,
+        tolerance, None, 0, near.gauss_table(),
         starts, foot, None, position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)

@@ -32,7 +32,7 @@ def near_rule(panels, target, tolerance, own=None):
     bu, bv = np.empty((p + 1, capacity)), np.empty((1, capacity))
     starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((2, len(nets)))
     done = near.place_nodes(
-        nets, None, index, 0, *closest, tolerance, None, 0, near.gauss_table(),
+        nets, None, None, index, 0, *closest, tolerance, None, 0, near.gauss_table(),
         starts, foot, np.empty((p + 1, 2)), position, normal, weight, bu, bv,
     )  # fmt: skip
     assert done == len(nets)

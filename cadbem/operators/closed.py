@@ -91,14 +91,23 @@ class ClosedOperator:
         return NearTable(rows, row_values, first, values, *tail)
 
     def padded(self, values: Array) -> Array:
-        """Spline coefficients through values at the grid's nodes, for ``gather``, with ``degree``
-        rows repeated around the poles."""
+        """Spline coefficients through values at the grid's nodes, for ``gather``."""
+        return self.residues(self.coefficients(values))
+
+    def coefficients(self, values: Array) -> Array:
+        """Spline coefficients (fields, rows, columns) through values (fields, nodes) at the grid's
+        nodes, with ``degree`` rows repeated around the poles."""
         basis = self.fine
         full = basis.doubled(basis.interpolate(values.reshape(-1, *basis.shape)))
         if basis.dimension == 2:
-            return self.residues(full[:, None])
+            return full[:, None]
         rows = np.arange(-basis.degree, basis.shape[0] + basis.degree) % full.shape[1]
-        return self.residues(full[:, rows])
+        return full[:, rows]
+
+    def unknowns(self, values: Array) -> Array:
+        """These coefficients and the values themselves, (fields, ·)."""
+        coefficients = self.coefficients(values).reshape(len(values), -1)
+        return np.concatenate([coefficients, values], axis=1)
 
     def on_rows(self, values: Array) -> Array:
         """Values (fields, nodes) at the grid's nodes, for ``gather``."""

@@ -13,18 +13,12 @@ from functools import cached_property
 import numpy as np
 from scipy.spatial import cKDTree
 
-from cadbem.closed_points import collocation_grid
-from cadbem.kernels.kernel import Index, Sums
-from cadbem.kernels.stokes_sums import stokes_sums
+from cadbem.kernels.kernel import Index
 from cadbem.operators.closed import ClosedLayers
-from cadbem.operators.gather import NearTable
-from cadbem.points import area_vector, dual_tangents
+from cadbem.operators.closed_windows import Windows
+from cadbem.operators.equivalent import Sources
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.basis import Array
-from cadbem.spline.closed import ClosedSpline, unit_parameters, unit_point
-
-NEWTON_STEPS = 20
-ARRIVED = 1e-12  # angle
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,10 +34,9 @@ class OffSurface:
         ``single`` and ``double`` are coefficients (dim, *shape) of q and u, or None for zero.
         """
         result = np.zeros(self.points.shape)
-        field = _Field(self.layers, single, double)
-        field.add_far(self.points, result)
-        for k, window in zip(self._close, self._windows, strict=True):
-            result[:, k] += field.near(window)
+        densities = at_nodes(self.layers, single, double)
+        _weighted(self.layers, *densities).add_to(self.points, result)
+        result[:, self._close] += self._windows.apply(*densities)
         return result
 
     @cached_property
@@ -52,10 +45,32 @@ class OffSurface:
         return np.nonzero(too_close(self.layers, self.points))[0]
 
     @cached_property
-    def _windows(self) -> list[Window]:
-        points = self.points[:, self._close]
-        feet = nearest_points(self.layers.spline, points)
-        return [_window(self.layers, *pair) for pair in zip(points.T, feet.T, strict=True)]
+    def _windows(self) -> Windows:
+        return Windows(self.layers, self.points[:, self._close])
+
+
+def even_sources(layers: ClosedLayers, single: Array | None, double: Array | None) -> Sources:
+    """The even grid's nodes with densities as in ``OffSurface.apply``."""
+    return _weighted(layers, *at_nodes(layers, single, double))
+
+
+def at_nodes(
+    layers: ClosedLayers, single: Array | None, double: Array | None
+) -> tuple[Array | None, Array | None]:
+    """q J and u (dim, nodes) of coefficients at the grid's nodes, without weights."""
+    values = layers.operator.grid.values
+    return (
+        None if single is None else values(single) * layers.points.jacobian,
+        None if double is None else np.ascontiguousarray(values(double)),
+    )
+
+
+def _weighted(layers: ClosedLayers, single: Array | None, double: Array | None) -> Sources:
+    weights = layers.operator.weights
+    position = np.ascontiguousarray(layers.points.position)
+    if single is not None:
+        single = single * weights
+    return Sources(position, single, layers.area * weights, double)
 
 
 def too_close(layers: ClosedLayers, points: Array) -> Array:
@@ -73,132 +88,3 @@ def too_close(layers: ClosedLayers, points: Array) -> Array:
     reach = spacing * (0.5 - np.log(rule.tolerance) / (2 * np.pi))
     distance, nearest = cKDTree(nodes.position.T).query(points.T)
     return distance < reach[nearest]
-
-
-def nearest_points(spline: ClosedSpline, points: Array) -> Array:
-    """Parameters (p, M) of the surface points nearest to points (dim, M).
-
-    From the nearest collocation point, Gauss-Newton steps on the unit circle or sphere; far
-    outside they are shortened, where the surface curves away from the point.
-    """
-    if not points.size:
-        return np.zeros((spline.dimension - 1, 0))
-    known = collocation_grid(spline.basis).points(spline)
-    distance, start = cKDTree(known.position.T).query(points.T)
-    damping = 1 / (1 + distance * np.abs(known.curvature).max())
-    at = spline.basis.parameters()[:, start]
-    for _ in range(NEWTON_STEPS):
-        tangents, frame = _tangents(spline, at)
-        duals = np.stack(dual_tangents(*tangents))
-        step = np.einsum("acn,cn->an", duals, points - spline.evaluate(at))
-        length = np.linalg.norm(step, axis=0)
-        step *= np.minimum(damping, 0.5 / np.maximum(length, 1e-300))
-        at = unit_parameters(unit_point(*at) + np.einsum("an,acn->cn", step, frame))
-        if length.max() < ARRIVED:
-            break
-    return at
-
-
-def signed_distance(spline: ClosedSpline, points: Array) -> Array:
-    """Distance (M,) of points (dim, M) from a closed curve or surface, negative inside."""
-    foot = nearest_points(spline, points)
-    # away from the poles, where the parameters' derivatives vanish but the normal does not turn
-    if spline.dimension == 3:
-        foot = np.stack([np.clip(foot[0], 1e-6, np.pi - 1e-6), foot[1]])
-    units = np.eye(len(foot), dtype=int)
-    normal = area_vector(*(spline.evaluate(foot, tuple(unit)) for unit in units))
-    way = points - spline.evaluate(foot)
-    return np.linalg.norm(way, axis=0) * np.where((way * normal).sum(axis=0) < 0, -1.0, 1.0)
-
-
-def _tangents(spline: ClosedSpline, at: Array) -> tuple[Array, Array]:
-    """Derivatives along orthonormal directions of the unit circle or sphere, and these (p, dim,
-    M)."""
-    if spline.dimension == 2:
-        frame = np.stack([-np.sin(at[0]), np.cos(at[0])])[None]
-        return spline.evaluate(at, (1,))[None], frame
-    theta, phi = at
-    sine = np.maximum(np.sin(theta), 1e-12)
-    south = np.stack([np.cos(theta) * np.cos(phi), np.cos(theta) * np.sin(phi), -np.sin(theta)])
-    east = np.stack([-np.sin(phi), np.cos(phi), 0 * phi])
-    tangents = [spline.evaluate(at, (1, 0)), spline.evaluate(at, (0, 1)) / sine]
-    return np.stack(tangents), np.stack([south, east])
-
-
-@dataclass(frozen=True, eq=False)
-class Window:
-    """Nodes around the point of a surface that is nearest to a target (dim, 1): ``position`` and
-    ``area`` vectors (dim, K, 1), the former unweighted, and ``weights`` (K, 1)."""
-
-    target: Array
-    table: NearTable
-    position: Array
-    area: Array
-    weights: Array
-
-
-def _window(layers: ClosedLayers, point: Array, foot: Array) -> Window:
-    operator, dim = layers.operator, len(point)
-    tangents, _ = _tangents(layers.spline, foot[:, None])
-    stretch = np.linalg.norm(area_vector(*tangents)) ** (1 / (dim - 1))
-    gap = np.linalg.norm(point - layers.spline.evaluate(foot[:, None])[:, 0])
-    table = operator.table(operator.nodes.near(foot, max(float(gap / stretch), 1e-12)))
-    values = table.fields(*layers.tables, 2 * dim, targets=1, weighted=False)
-    position, area = values.reshape(2, dim, -1, 1)
-    weights = np.concatenate([table.weights, table.corrections])[:, None]
-    return Window(np.ascontiguousarray(point[:, None]), table, position, area * weights, weights)
-
-
-@dataclass(frozen=True, eq=False)
-class _Field:
-    """Both layers with densities, at single points near the surface and many points far away."""
-
-    layers: ClosedLayers
-    single: Array | None
-    double: Array | None
-
-    @cached_property
-    def _sums(self) -> Sums:
-        return stokes_sums(self.layers.spline.dimension)
-
-    @cached_property
-    def _densities(self) -> list[Array | None]:
-        """q J and u (dim, nodes) at the grid's nodes, without weights."""
-        values = self.layers.operator.grid.values
-        return [
-            None if self.single is None else values(self.single) * self.layers.points.jacobian,
-            None if self.double is None else np.ascontiguousarray(values(self.double)),
-        ]
-
-    @cached_property
-    def _tables(self) -> tuple[Array, Array]:
-        """Densities as splines and as values, for ``gather``."""
-        present = np.concatenate([d for d in self._densities if d is not None])
-        return self.layers.operator.padded(present), self.layers.operator.on_rows(present)
-
-    def add_far(self, points: Array, out: Array) -> None:
-        """Add the even grid's sums to ``out`` (dim, M)."""
-        weights = self.layers.operator.weights
-        position = np.ascontiguousarray(self.layers.points.position)
-        single, double = self._densities
-        if single is not None:
-            self._sums.single(points, position, single * weights, out)
-        if double is not None:
-            zero = np.zeros_like(out)
-            self._sums.double(points, zero, position, self.layers.area * weights, double, out)
-
-    def near(self, window: Window) -> Array:
-        """What a window around the nearest point changes: (dim,)."""
-        dim = len(window.target)
-        count = dim * sum(d is not None for d in self._densities)
-        values = window.table.fields(*self._tables, count, targets=1, weighted=False)
-        parts = list(values.reshape(-1, dim, *values.shape[1:]))
-        out = np.zeros((dim, 1))
-        if self.single is not None:
-            density = parts.pop(0) * window.weights
-            self._sums.single_near(window.target, window.position, density, out)
-        if self.double is not None:
-            zero = np.zeros((dim, 1))
-            sources = window.position, window.area, parts.pop(0)
-            self._sums.double_near(window.target, zero, *sources, out)
-        return out[:, 0]

@@ -1,8 +1,8 @@
 """Layers as a compressed matrix: dense blocks near by, cross approximations far away.
 
-Clusters of targets and clusters of panels whose gap exceeds ``SEPARATION`` times the larger radius
-form blocks of low rank (an H-matrix: Hackbusch 1999; Bebendorf 2008); between neighbouring clusters
-all integrals are as accurate as in the dense matrix.
+Clusters of targets and clusters of panels that are far enough from each other form blocks of low
+rank (an H-matrix: Hackbusch 1999; Bebendorf 2008); between neighbouring clusters all integrals are
+as accurate as in the dense matrix.
 """
 
 from __future__ import annotations
@@ -12,28 +12,18 @@ from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from threading import Lock
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
 
 from cadbem.kernels.kernel import Array, Index
-from cadbem.operators.clusters import Pairs, Tree, cluster, partition
-from cadbem.operators.cross import MixedKernel, Seen, cross_approximation
-from cadbem.operators.interactions import Targets, interact_pairs
-from cadbem.operators.layers import run_tasks
-from cadbem.operators.near_blocks import NearBlocks, NearSink
-from cadbem.operators.panels import split_patch
+from cadbem.operators.clusters import Tree
+from cadbem.operators.cross import MixedKernel
+from cadbem.operators.near_blocks import NearBlocks
 from cadbem.operators.products import times, transposed_times
-from cadbem.operators.sources import PanelList, Sources, sources
-from cadbem.quadrature import Rules
-from cadbem.space import Space
 
-LEAF = 64  # targets, or panels, in the smallest clusters
-SEPARATION = 0.5
-LOWER = 3  # lower Gauss orders for panels farther away
-POINTS = 2  # Gauss points a direction of a panel, for crosses
-FLOAT32_FROM = 1e-7  # tolerance from which crosses are accurate enough in 32 bits
+Item = TypeVar("Item")
+Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,24 +57,29 @@ class CompressedMatrix:
     @property
     def size(self) -> int:
         """Bytes that are kept."""
-        far = sum(part.table.nbytes for part in (*self.spread, *self.collect))
+        far = sum(s.table.nbytes for s in self.spread) + sum(c.table.nbytes for c in self.collect)
         return far + self.near.entries.nbytes
 
     def apply(self, unknowns: Array) -> Array:
-        """Values (rows, T) at the targets of coefficients (unknowns, F)."""
+        """Values (rows, T[, M]) at the targets of coefficients (unknowns, F[, M])."""
+        many = unknowns.shape[2:]
+
+        def of(functions: Index) -> Array:
+            return unknowns[:, functions].reshape(-1, *many)
+
         crosses = np.concatenate(
-            [np.empty(0)]
-            + in_shares(lambda s: times(s.table, unknowns[:, s.functions].ravel()), self.spread)
+            [np.empty((0, *many))]
+            + in_shares(lambda s: times(s.table, of(s.functions)), self.spread)
         )
         rows, count = self.mixed.kernel.rows, len(self.tree.order)
-        result = np.zeros((rows, count))
+        result = np.zeros((rows, count, *many))
 
         def far(c: Collect) -> Array:
-            return transposed_times(c.table, crosses[c.crosses]).reshape(rows, -1)
+            return transposed_times(c.table, crosses[c.crosses]).reshape(rows, -1, *many)
 
         def near(b: int) -> Array:
-            part = unknowns[:, self.near.functions[b]].ravel()
-            return (self.near.matrix(b) @ part).reshape(rows, -1)
+            part = of(self.near.functions[b])
+            return (self.near.matrix(b) @ part).reshape(rows, -1, *many)
 
         for c, made in zip(self.collect, in_shares(far, self.collect), strict=True):
             result[:, c.part] += made
@@ -98,207 +93,13 @@ class CompressedMatrix:
     @cached_property
     def _leaves(self) -> list[slice]:
         """The part of the targets, in the tree's order, of each leaf."""
-        leaves = self.tree.leaves
-        return [slice(a, b) for a, b in zip(self.tree.start[leaves], self.tree.stop[leaves], strict=True)]
+        start, stop = self.tree.start, self.tree.stop
+        return [slice(start[c], stop[c]) for c in self.tree.leaves]
 
 
-def in_shares(task: Callable[[Any], Array], items: Sequence[Any]) -> list[Array]:
+def in_shares(task: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
     """Results of a task for each item, on all cores."""
     cores = os.cpu_count() or 1
     with ThreadPoolExecutor(cores) as pool:
         shares = list(pool.map(lambda k: [task(i) for i in items[k::cores]], range(cores)))
     return [shares[i % cores][i // cores] for i in range(len(items))]
-
-
-def compress(
-    mixed: MixedKernel,
-    space: Space,
-    targets: Targets,
-    quadrature: Rules,
-    tolerance: float,
-    own: Array,
-) -> CompressedMatrix:
-    """The compressed matrix of a mixed kernel, each far block within ``tolerance`` of its size.
-
-    From it are taken ``own`` (patches, rows, unknowns) times the functions' values at targets that
-    lie on their patch.
-    """
-    panels = PanelList.of(space, tuple(split_patch(p.surface) for p in space.boundary.patches))
-    tree = cluster(targets.position, np.zeros(targets.count), LEAF)
-    builder = _Builder(mixed, panels, tree, targets, quadrature, tolerance)
-    near = builder.near()
-    for patch in np.nonzero(own.any(axis=(1, 2)))[0]:
-        near.take(space, int(patch), own[patch])
-    spread, collect = builder.far()
-    return CompressedMatrix(mixed, tree, near, spread, collect)
-
-
-@dataclass(frozen=True, eq=False)
-class _Builder:
-    """What both parts of a compressed matrix are made from."""
-
-    mixed: MixedKernel
-    unordered: PanelList
-    tree: Tree
-    targets: Targets
-    quadrature: Rules
-    tolerance: float
-
-    @property
-    def dtype(self) -> type:
-        """Of crosses.  Near blocks need all digits: a pressure makes large, opposite tractions."""
-        return np.float32 if self.tolerance >= FLOAT32_FROM else np.float64
-
-    @cached_property
-    def panel_tree(self) -> Tree:
-        """Clusters of panels."""
-        return cluster(*self.unordered.balls(), LEAF)
-
-    @cached_property
-    def panels(self) -> PanelList:
-        """The panels in their tree's order."""
-        return self.unordered.ordered(self.panel_tree.order)
-
-    @cached_property
-    def orders(self) -> list[list[int]]:
-        """Gauss orders for panels far away, as many for each patch, ascending."""
-        rules, orders = self.quadrature, []
-        for panels in self.panels.panels:
-            degree = max(panels.surface.degrees)
-            lower = rules.lower_orders(degree)
-            orders.append([*lower[-LOWER:], rules.orders(degree)[0]])
-        most = max(map(len, orders))
-        return [o[:1] * (most - len(o)) + o for o in orders]
-
-    @cached_property
-    def _reaches(self) -> Array:
-        """Distance from which each order is good enough for all panels of a cluster: (orders, C)."""
-        rules, tree = self.quadrature, self.panel_tree
-        factors = np.array([
-            [rules.reach(o, max(p.surface.degrees)) for o in orders]
-            for p, orders in zip(self.panels.panels, self.orders, strict=True)
-        ])  # fmt: skip
-        reach = factors[self.panels.patch].T * self.panels.lengths()
-        pairs = zip(tree.start, tree.stop, strict=True)
-        return np.stack([reach[:, a:b].max(axis=1) for a, b in pairs], axis=1)
-
-    def _gap(self, t: int, s: int) -> float:
-        """Distance between two clusters' balls."""
-        own, other = self.tree, self.panel_tree
-        away = np.linalg.norm(own.centre[:, t] - other.centre[:, s])
-        return float(away - own.radius[t] - other.radius[s])
-
-    @cached_property
-    def partition(self) -> tuple[Pairs, Pairs]:
-        """Far and near pairs of clusters of targets and panels."""
-        t, s = self.tree, self.panel_tree
-
-        def is_far(i: int, j: int) -> bool:
-            least = max(SEPARATION * max(t.radius[i], s.radius[j]), self._reaches[-1, j])
-            return self._gap(i, j) > least
-
-        return partition(t, s, is_far)
-
-    @cached_property
-    def functions(self) -> tuple[Index, Index]:
-        """Functions of each panel, flat, and where each panel's begin."""
-        return self.panels.functions()
-
-    def functions_of(self, *clusters: int) -> Index:
-        """Sorted numbers of the functions on clusters of panels."""
-        flat, first = self.functions
-        tree = self.panel_tree
-        parts = [flat[first[tree.start[s]] : first[tree.stop[s]]] for s in clusters]
-        return np.unique(np.concatenate(parts))
-
-    def near(self) -> NearBlocks:
-        """The near blocks."""
-        below: dict[int, list[int]] = {int(b): [] for b in self.tree.leaves}
-        above: dict[int, list[int]] = {}
-        for t, s in self.partition[1]:
-            below[t].append(s)
-            above.setdefault(s, []).append(t)
-        clusters = [self.tree.items(t) for t in below]
-        blocks = NearBlocks.empty(
-            self.mixed, clusters, [self.functions_of(*near) for near in below.values()]
-        )
-        lock, patches = Lock(), self.panels.patch
-
-        def work(_: int, pair: tuple[int, list[int]]) -> None:
-            s, near = pair
-            rows = np.concatenate([self.tree.items(t) for t in near])
-            here = np.arange(self.panel_tree.start[s], self.panel_tree.stop[s])
-            for patch in np.unique(patches[here]):
-                numbers = self.panels.number[here[patches[here] == patch]]
-                pairs = np.tile(rows, len(numbers)), np.repeat(numbers, len(rows))
-                panels, offset = self.panels.panels[patch], self.panels.space.offsets[patch]
-                sink = NearSink(blocks, patch, offset, panels.surface.weights.shape[1], lock)
-                interact_pairs(
-                    self.mixed.kernel, panels, patch, self.targets, pairs, self.quadrature, sink
-                )
-
-        run_tasks(work, list(above.items()), "near interactions")
-        return blocks
-
-    def far(self) -> tuple[list[Spread], list[Collect]]:
-        """All crosses."""
-        below: dict[int, list[int]] = {}
-        for t, s in self.partition[0]:
-            below.setdefault(s, []).append(t)
-        jobs = sorted(below.items(), key=lambda job: -len(job[1]))
-        made: list[list[tuple[Array, Array]]] = [[] for _ in jobs]
-
-        def work(k: int, job: tuple[int, list[int]]) -> None:
-            s, near = job
-            levels = [self._level(t, s) for t in near]
-            seen = {level: self._seen(s, level) for level in set(levels)}
-            for t, level in zip(near, levels, strict=True):
-                at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
-                pair = cross_approximation(seen[level], at, self.tolerance)
-                made[k].append((pair[0].astype(self.dtype), pair[1].astype(self.dtype)))
-
-        run_tasks(work, jobs, "far interactions")
-        spread, parts, first = [], {}, 0
-        for (s, near), crosses in zip(jobs, made, strict=True):
-            spread.append(Spread(self.functions_of(s), np.concatenate([v for _, v in crosses])))
-            for t, (u, _) in zip(near, crosses, strict=True):
-                parts.setdefault(t, []).append((u, np.arange(first, first + len(u))))
-                first += len(u)
-            crosses.clear()
-        collect = [
-            Collect(
-                slice(self.tree.start[t], self.tree.stop[t]),
-                np.concatenate([u for u, _ in group]),
-                np.concatenate([n for _, n in group]),
-            )
-            for t, group in parts.items()
-        ]
-        return spread, collect
-
-    @cached_property
-    def _points(self) -> Sources:
-        return sources(self.panels, (POINTS,) * len(self.panels.panels))
-
-    @cached_property
-    def _nodes(self) -> list[Sources]:
-        """Nodes of each of the ``orders``."""
-        return [sources(self.panels, tuple(o)) for o in zip(*self.orders, strict=True)]
-
-    def _level(self, t: int, s: int) -> int:
-        """The first of the ``orders`` that is good enough between two clusters."""
-        return int((self._reaches[:-1, s] > self._gap(t, s)).sum())
-
-    def _seen(self, s: int, level: int) -> Seen:
-        part = slice(self.panel_tree.start[s], self.panel_tree.stop[s])
-        numbers = self.functions_of(s)
-        flat, first = self.functions
-        starts = first[part.start : part.stop + 1]
-        return Seen(
-            self.mixed,
-            self._points.part(part),
-            self._nodes[level].part(part),
-            self.panels.patch[part],
-            np.searchsorted(numbers, flat[starts[0] : starts[-1]]),
-            starts - starts[0],
-            len(numbers),
-        )

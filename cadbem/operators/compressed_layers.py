@@ -4,28 +4,29 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import product
 
 import numpy as np
 
 from cadbem.kernels.kernel import Array, Kernel
-from cadbem.operators.compressed import compress
+from cadbem.operators.coarse import two_level
+from cadbem.operators.compress import compress
 from cadbem.operators.cross import MixedKernel
 from cadbem.operators.interactions import interact
 from cadbem.operators.iterate import Iteration
 from cadbem.operators.layers import (
+    Layers,
+    assemble_layers,
     assemble_patch,
     collocation_targets,
     mixed_columns,
     run_tasks,
     tasks,
 )
-from cadbem.operators.overlapping import overlapping
 from cadbem.operators.sinks import PotentialSink
 from cadbem.operators.solve import Border
+from cadbem.operators.storage import Compressed, Storage, storage_for
 from cadbem.quadrature import Rules
 from cadbem.space import Space
-
 
 SURFACE_ORDER = 4  # Gauss points a direction, for the size of patches
 
@@ -86,9 +87,7 @@ class CompressedLayers:
             1 / (size * abs(f).max(axis=0) + abs(u).max(axis=0))
             for size, f, u in zip(self._spacings(), single, double, strict=True)
         ]
-        mixing = np.array(
-            [[f * s, u * s] for f, u, s in zip(single, double, scales, strict=True)]
-        )
+        mixing = np.array([[f * s, u * s] for f, u, s in zip(single, double, scales, strict=True)])
         matrix = compress(
             MixedKernel(self.kernel, mixing),
             self.space,
@@ -100,8 +99,9 @@ class CompressedLayers:
         counts = np.diff(self.space.offsets)
         scale = np.repeat(np.array(scales).T, counts, axis=1)
         if border is None:
-            border = Border(np.empty((0, *scale.shape)), np.empty((0, self.kernel.rows, self.count)))
-        rough = overlapping(matrix, self.space.collocation.position)
+            fields = np.empty((0, self.kernel.rows, self.count))
+            border = Border(np.empty((0, *scale.shape)), fields)
+        rough = two_level(matrix, self.space.collocation.position)
         return Iteration(matrix, scale, border, rough, self.tolerance)
 
     def _spacings(self) -> list[float]:
@@ -112,3 +112,14 @@ class CompressedLayers:
             float((patch.quadrature(SURFACE_ORDER)[1].sum() / n) ** power)
             for patch, n in zip(self.space.boundary.patches, counts, strict=True)
         ]
+
+
+def own_layers(
+    kernel: Kernel, space: Space, quadrature: Rules, storage: Storage | None
+) -> Layers | CompressedLayers:
+    """Both layers of a space at its own collocation points; without a ``storage``, in the one that
+    suits their number."""
+    storage = storage or storage_for(space.count)
+    if isinstance(storage, Compressed):
+        return CompressedLayers(kernel, space, quadrature, storage.tolerance)
+    return assemble_layers(kernel, space, collocation_targets(space), quadrature)

@@ -18,6 +18,7 @@ from cadbem.operators.panels import Panels
 from cadbem.operators.sinks import Sink
 from cadbem.operators.tensor import add_tensor, by_blocks
 from cadbem.quadrature import Rules, near
+from cadbem.quadrature.polar import WHOLE
 from cadbem.spline.basis import Array
 
 NODE_CAPACITY = 1 << 16  # nodes a table of near pairs
@@ -48,7 +49,8 @@ class Targets:
 
     def part(self, chosen: slice) -> Targets:
         """Some of the targets."""
-        return Targets(self.position[:, chosen], self.owner[chosen], self.parameters[:, chosen])
+        position = np.ascontiguousarray(self.position[:, chosen])
+        return Targets(position, self.owner[chosen], self.parameters[:, chosen])
 
 
 def interact(
@@ -215,12 +217,13 @@ def _near(
     bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     pieces = quadrature.pieces(panels.lengths[close_panel], closest[2])
-    curve, poles = (np.empty((p + 1, dim)), None) if dim == 2 else (None, panels.poles)
+    curve = np.empty((p + 1, dim)) if dim == 2 else None
+    box, poles = (None, None) if dim == 2 else (WHOLE, panels.poles)
     u, v, distance = map(np.ascontiguousarray, closest)
     done = 0
     while done < len(close_target):
         count = near.place_nodes(
-            panels.flat_nets, poles, close_panel, done, u, v, distance,
+            panels.flat_nets, box, poles, close_panel, done, u, v, distance,
             quadrature.tolerance, pieces, quadrature.order, gauss,
             starts, foot, curve, position, normal, weight, bu, bv,
         )  # fmt: skip

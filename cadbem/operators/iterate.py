@@ -11,8 +11,8 @@ from tqdm import tqdm
 
 from cadbem.errors import SolverError
 from cadbem.kernels.kernel import Array
+from cadbem.operators.coarse import TwoLevel
 from cadbem.operators.compressed import CompressedMatrix
-from cadbem.operators.overlapping import Overlapping
 from cadbem.operators.solve import Border, Solved
 
 INNER, KEPT, OUTER = 150, 10, 4  # iterations between restarts, directions kept, restarts
@@ -29,7 +29,7 @@ class Iteration:
     matrix: CompressedMatrix
     scale: Array
     border: Border
-    preconditioner: Overlapping
+    preconditioner: TwoLevel
     tolerance: float
 
     def solve(self, right: Array, constraints: Array | float = 0.0) -> Solved:
@@ -65,9 +65,10 @@ class Iteration:
     @cached_property
     def _schur(self) -> tuple[Array, Array]:
         """Roughly solved fields (F, k), and the inverse of what is left for their factors."""
-        solved = [self._rough(column) for column in self._fields.T]
-        solved = np.reshape(solved, (len(self._rows), -1)).T
-        return solved, np.linalg.inv(-self._rows @ solved)
+        columns = [self._rough(column) for column in self._fields.T]
+        solved = np.reshape(columns, (len(self._rows), -1)).T
+        inverse = np.asarray(np.linalg.inv(-self._rows @ solved), dtype=float)
+        return solved, inverse
 
     def _rough(self, right: Array) -> Array:
         shape = self.matrix.mixed.kernel.rows, -1

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import product
+from typing import TypeVar
 
 import numpy as np
 from threadpoolctl import ThreadpoolController
@@ -25,6 +26,7 @@ TARGET_CHUNKS = 256, 2048  # targets a task, at least and at most
 SHARES = 2  # tasks of each patch for each core
 
 Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
+Job = TypeVar("Job")
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,7 +128,7 @@ def _libraries() -> ThreadpoolController:
     return ThreadpoolController()
 
 
-def run_tasks(work: Callable[[int, Task], None], jobs: Sequence[Task], label: str) -> None:
+def run_tasks(work: Callable[[int, Job], None], jobs: Sequence[Job], label: str) -> None:
     """Do ``work(number, task)`` on all cores; what tasks write does not overlap."""
     with _libraries().limit(limits=1), ThreadPoolExecutor(os.cpu_count()) as pool:
         futures = [pool.submit(work, k, job) for k, job in enumerate(jobs)]

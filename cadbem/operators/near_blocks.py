@@ -89,16 +89,12 @@ class NearSink:
         u = first_u[:, None, None] + np.arange(values.shape[2])[:, None]
         v = first_v[:, None, None] + np.arange(values.shape[3])
         numbers = (self.offset + u * self.columns + v).reshape(len(rows), -1)
-        self._add(rows, numbers, values.reshape(*values.shape[:2], -1))
-
-    def _add(self, rows: Index, numbers: Index, values: Array) -> None:
-        """Add values (R, entries, F) of functions with numbers (R, F), or (1, F) for all rows."""
         own, mixed = self.blocks, self.blocks.mixed
         with self.lock:
             scatter(
-                rows, numbers, values, *mixed.layouts, mixed.mixing[self.patch], own.block,
-                own.place, own.counts, own.flat_functions, own.first_function, own.first,
-                own.entries,
+                rows, numbers, values.reshape(*values.shape[:2], -1), *mixed.layouts,
+                mixed.mixing[self.patch], own.block, own.place, own.counts, own.flat_functions,
+                own.first_function, own.first, own.entries,
             )  # fmt: skip
 
 
@@ -107,15 +103,15 @@ def scatter(
     rows, numbers, values, single, double, mixing, block, place, counts, functions,
     first_function, first, entries,
 ):  # fmt: skip
-    """Add ``values`` (R, entries, F) to near blocks; see ``NearBlocks`` and ``NearSink._add``."""
+    """Add ``values`` (R, entries, F) of functions ``numbers`` (R, F) to near blocks."""
     width, unknowns = values.shape[2], mixing.shape[2]
-    places, last = np.empty(width, dtype=np.int64), -1
+    places, last, last_first = np.empty(width, dtype=np.int64), -1, -1
     for r in range(values.shape[0]):
         b = block[rows[r]]
-        if b != last or len(numbers) > 1:
+        if b != last or numbers[r, 0] != last_first:  # neighbours mostly share a panel
             here = functions[first_function[b] : first_function[b + 1]]
-            places[:] = np.searchsorted(here, numbers[min(r, len(numbers) - 1)])
-            last = b
+            places[:] = np.searchsorted(here, numbers[r])
+            last, last_first = b, numbers[r, 0]
         columns = first_function[b + 1] - first_function[b]
         for i in range(single.shape[0]):
             for k in range(unknowns):

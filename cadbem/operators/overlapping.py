@@ -1,5 +1,7 @@
-"""A preconditioner: small clusters of unknowns, each solved with its neighbours (restricted additive
-Schwarz: Cai and Sarkis 1999)."""
+"""A preconditioner: small clusters of unknowns, each solved with its neighbours.
+
+(Restricted additive Schwarz: Cai and Sarkis 1999.)  It keeps numbers of 32 bits.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.linalg import lu_factor, lu_solve
 from scipy.spatial import cKDTree
 
@@ -50,7 +53,7 @@ class Overlapping:
 
 
 def overlapping(matrix: CompressedMatrix, positions: Array) -> Overlapping:
-    """The preconditioner of a matrix whose target i, at ``positions``[:, i], belongs to unknown i."""
+    """The preconditioner of a matrix whose target i, at ``positions``[:, i], is unknown i's."""
     points, near = cKDTree(positions.T), matrix.near
     dim = len(positions)
 
@@ -65,7 +68,7 @@ def overlapping(matrix: CompressedMatrix, positions: Array) -> Overlapping:
     return Overlapping(in_shares(part, list(matrix.tree.leaves)))
 
 
-def _square(near: NearBlocks, numbers: Index) -> Array:
+def _square(near: NearBlocks, numbers: Index) -> NDArray[np.float32]:
     """The part (components × m, components × m) of the near blocks that belongs to m unknowns; zero
     where no block has it."""
     rows, unknowns = near.mixed.kernel.rows, near.mixed.unknowns

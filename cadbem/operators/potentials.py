@@ -41,14 +41,17 @@ class Potentials:
         def work(k: int, task: Task) -> None:
             patch, panels, rows = task
             shape, part = panels.surface.weights.shape, self.space.functions(patch)
-            densities = [d[:, part].reshape(-1, *shape) for d in (single, double)]
-            sink = self._sink(results[patch][:, rows], densities)
+            densities = [
+                np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
+            ]
+            sink = self._sink(np.zeros((self.kernel.rows, rows.stop - rows.start)), densities)
             if self.kernel.sums is None:
                 here = self.targets.part(rows)
                 interact(self.kernel, panels, patch, here, self.quadrature, sink)
-                return
-            self._sum(self.kernel.sums, task, densities, sink.result)
-            records[k].replay(sink)
+            else:
+                self._sum(self.kernel.sums, task, densities, sink.result)
+                records[k].replay(sink)
+            results[patch][:, rows] = sink.result
 
         run_tasks(work, self._tasks, "fields")
         return results.sum(axis=0)

@@ -9,18 +9,21 @@ from cadbem.kernels.kernel import Array
 
 
 def times(table: Array, vector: Array) -> Array:
-    """table @ vector (k,) for a table (k, n) and a vector (n,) of 64 bits."""
-    if table.dtype == np.float64:
-        return table @ vector
+    """table @ vector (k[, M]) for a table (k, n) and a vector (n[, M]) of 64 bits.
+
+    Many vectors at once are multiplied with the table's own precision.
+    """
+    if table.dtype == np.float64 or vector.ndim > 1:
+        return table @ vector.astype(table.dtype, copy=False)
     out = np.empty(len(table))
     _times(table, vector, out)
     return out
 
 
 def transposed_times(table: Array, vector: Array) -> Array:
-    """vector @ table (n,) for a table (k, n) and a vector (k,) of 64 bits."""
-    if table.dtype == np.float64:
-        return vector @ table
+    """tableᵀ @ vector (n[, M]) for a table (k, n) and a vector (k[, M]): see ``times``."""
+    if table.dtype == np.float64 or vector.ndim > 1:
+        return table.T @ vector.astype(table.dtype, copy=False)
     out = np.zeros(table.shape[1])
     _transposed_times(table, vector, out)
     return out

@@ -101,9 +101,13 @@ def sources(panels: PanelList, orders: tuple[int, ...]) -> Sources:
 
 def _weighted(panels: Panels, nodes: Nodes) -> Array:
     """Weighted functions (E, functions, nodes) of each panel of a patch."""
-    a, b = panels.shape
-    tables = [nodes.basis(panels, i, slice(j, j + 1))[0] for i in range(a) for j in range(b)]
-    return np.array(tables).swapaxes(1, 2)
+    along_u, along_v = nodes.functions
+    u = panels.first[0][:, None] + np.arange(along_u.shape[2])
+    v = panels.first[1][:, None] + np.arange(along_v.shape[2])
+    control = panels.surface.weights[u[:, None, :, None], v[None, :, None, :]]
+    weight = nodes.weight.reshape(*panels.shape, along_u.shape[1], along_v.shape[1])
+    table = np.einsum("aki,blj,abkl,abij->abijkl", along_u, along_v, weight, control, optimize=True)
+    return table.reshape(len(panels.flat_nets), along_u.shape[2] * along_v.shape[2], -1)
 
 
 def _functions(panels: Panels, offset: int) -> Index:

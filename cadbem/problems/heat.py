@@ -12,8 +12,10 @@ from scipy.sparse import block_diag
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.kernel import Kernel
-from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
+from cadbem.operators.compressed_layers import CompressedLayers, own_layers
+from cadbem.operators.layers import Layers, collocation_targets
 from cadbem.operators.potentials import Potentials
+from cadbem.operators.storage import Storage
 from cadbem.problems.heat_conditions import (
     HeatCondition,
     HeatFlux,
@@ -40,9 +42,10 @@ class HeatProblem:
 
     ``conductivity`` k > 0; ``conditions`` one a name of the boundary; ``source`` b, heat per
     volume and time, a number or a function of positions (dim, N) -> (N,), which is also asked
-    outside a body that is not convex.  Raises ``ConditionError`` for a face without a condition,
-    a condition without a face, a temperature that is left open, and, when solved, for a source
-    that varies too fast, or radiation that finds no balance above absolute zero.
+    outside a body that is not convex.  ``storage`` as in ``StokesProblem``.  Raises
+    ``ConditionError`` for a face without a condition, a condition without a face, a temperature
+    that is left open, and, when solved, for a source that varies too fast, or radiation that finds
+    no balance above absolute zero.
     """
 
     boundary: Boundary
@@ -50,6 +53,7 @@ class HeatProblem:
     conditions: Mapping[str, HeatCondition]
     source: Source | None = None
     quadrature: Quadrature = field(default_factory=Quadrature)
+    storage: Storage | None = None
 
     def __post_init__(self) -> None:
         if not self.conductivity > 0:
@@ -86,10 +90,9 @@ class HeatProblem:
         return source_kernels(self.source, self.space, self.size, self.quadrature.tolerance)
 
     @cached_property
-    def layers(self) -> Layers:
+    def layers(self) -> Layers | CompressedLayers:
         """Both layers at the collocation points."""
-        targets = collocation_targets(self.space)
-        return assemble_layers(self.kernel, self.space, targets, self.quadrature)
+        return own_layers(self.kernel, self.space, self.quadrature, self.storage)
 
     def solve(self) -> HeatSolution:
         """Temperature and heat flux on the boundary, whence everything else follows.

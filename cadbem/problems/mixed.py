@@ -16,8 +16,8 @@ from numpy.typing import ArrayLike
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.kernels.kernel import Kernel
-from cadbem.operators.interactions import Targets
 from cadbem.operators.compressed_layers import CompressedLayers
+from cadbem.operators.interactions import Targets
 from cadbem.operators.iterate import Iteration
 from cadbem.operators.layers import Layers
 from cadbem.operators.locate import locate

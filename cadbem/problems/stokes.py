@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
-from cadbem.operators.compressed_layers import CompressedLayers
+from cadbem.operators.compressed_layers import CompressedLayers, own_layers
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import Layers, assemble_layers, collocation_targets
-from cadbem.operators.storage import Compressed, Storage, storage_for
+from cadbem.operators.layers import Layers, assemble_layers
+from cadbem.operators.storage import Storage
 from cadbem.problems.bodies import Surface, closed_surfaces, point_inside
 from cadbem.problems.conditions import (
     Background,
@@ -137,11 +137,7 @@ class StokesProblem:
     def layers(self) -> Layers | CompressedLayers:
         """Both layers at the collocation points."""
         kernel, _ = stokes_kernels(self.boundary.dimension)
-        storage = self.storage or storage_for(self.space.count)
-        if isinstance(storage, Compressed):
-            return CompressedLayers(kernel, self.space, self.quadrature, storage.tolerance)
-        targets = collocation_targets(self.space)
-        return assemble_layers(kernel, self.space, targets, self.quadrature)
+        return own_layers(kernel, self.space, self.quadrature, self.storage)
 
     @cached_property
     def inner_points(self) -> Array:

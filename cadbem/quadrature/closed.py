@@ -116,9 +116,9 @@ class ClosedRule:
         ``distance`` of the target in angles of the circle or sphere, 0 if it is a surface point.
         """
         away = self._away(centre)
-        places = np.nonzero(away < self.radius)
-        share = away[places] / self.radius
-        corrections = -self.weights[places] * _window(share, self.steepness)
+        places = [np.ascontiguousarray(p) for p in np.nonzero(away < self.radius)]
+        share = away[*places] / self.radius
+        corrections = -self.weights[*places] * _window(share, self.steepness)
         parameters, weights = self._polar(centre, distance)
         rows = np.zeros_like(places[0]) if len(places) == 1 else places[0]
         return NearNodes(parameters, weights, rows, places[-1], corrections)

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
-MAX_ORDER = 64  # of rules that compiled code looks up
+MAX_ORDER = 64  # of rules; compiled code takes it, hence a mark for cadbem.compiled
 
 
 @lru_cache(maxsize=128)

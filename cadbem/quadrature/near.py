@@ -14,7 +14,7 @@ from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER, gauss_unit, log_unit
 from cadbem.quadrature.lines import evaluate_part, line_nodes, part_from
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein, metric
-from cadbem.quadrature.polar import WHOLE, polar_nodes, pole_nodes
+from cadbem.quadrature.polar import polar_nodes, pole_nodes
 from cadbem.quadrature.uniform import thesis_nodes
 
 
@@ -33,19 +33,19 @@ def gauss_table():
 
 @compiled
 def place_nodes(
-    nets, poles, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
+    nets, box, poles, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
     starts, foot, curve, position, normal, weight, bu, bv,
 ):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
     ``u``, ``v``, ``distance`` give each pair's closest point, whose place in space goes to
-    ``foot`` (dim, pairs).  ``poles`` are the panels' ``collapsed_sides``.  Curves need room
-    ``curve`` (p + 1, dim).  Where ``pieces`` (pairs,) is not 0, the thesis's rule of ``order`` on
-    so many parts a direction replaces ours (on surfaces).  Each of these three may be None; then
-    nothing for it is compiled.  Tables: ``position``, relative to the foot, and ``normal``
-    (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the panel's weight function;
-    Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity); ``starts`` (pairs + 1,)
-    offsets.  Returns the number of pairs done.
+    ``foot`` (dim, pairs).  Surfaces need ``box``, which is ``WHOLE``, and the panels' ``poles``
+    (see ``collapsed_sides``); curves need room ``curve`` (p + 1, dim).  Where ``pieces`` (pairs,)
+    is not 0, the thesis's rule of ``order`` on so many parts a direction replaces ours (on
+    surfaces).  What of these is None is not compiled.  Tables: ``position``, relative to the foot,
+    and ``normal`` (dim, capacity); ``weight`` (capacity,), with the Jacobian, over the panel's
+    weight function; Bernstein values ``bu`` (p + 1, capacity), ``bv`` (q + 1, capacity);
+    ``starts`` (pairs + 1,) offsets.  Returns the number of pairs done.
     """
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, position.shape[0]
     lu, su, lv, sv = np.empty(p + 1), np.empty(p + 1), np.empty(q + 1), np.empty(q + 1)
@@ -54,7 +54,7 @@ def place_nodes(
     lp = np.empty(p + 1)
     nodes = np.empty((3, position.shape[1]))
     starts[0] = 0
-    used = done = 0
+    used = done = count = 0
     for k in range(first, len(panel_of)):
         net = nets[panel_of[k]]
         room = nodes[:, : position.shape[1] - used]
@@ -65,8 +65,8 @@ def place_nodes(
         elif poles is not None and poles[panel_of[k]] >= 0:
             side = poles[panel_of[k]]
             count = pole_nodes(net, side, u[k], v[k], distance[k], tolerance, gauss, room, work)
-        else:
-            count = polar_nodes(net, u[k], v[k], distance[k], WHOLE, tolerance, gauss, room, work)
+        elif box is not None:
+            count = polar_nodes(net, u[k], v[k], distance[k], box, tolerance, gauss, room, work)
         if count < 0:
             break
         metric(net, u[k], v[k], lu, su, lv, sv, point, tu, tv)

@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -117,8 +117,12 @@ class ClosedBasis:
         """Coefficients or values continued over the poles to a full turn of the colatitude."""
         if len(self.shape) == 1:
             return array
-        beyond = np.roll(array[..., ::-1, :], array.shape[-1] // 2, axis=-1)
-        return np.concatenate([array, beyond], axis=-2)
+        rows, half = array.shape[-2], array.shape[-1] // 2
+        full = np.empty((*array.shape[:-2], 2 * rows, array.shape[-1]), array.dtype)
+        full[..., :rows, :] = array
+        full[..., rows:, :half] = array[..., ::-1, half:]
+        full[..., rows:, half:] = array[..., ::-1, :half]
+        return full
 
     def folded(self, array: Array) -> Array:
         """The transpose of ``doubled``: what lies beyond the poles is added where it belongs."""
@@ -239,8 +243,11 @@ class ClosedBasis:
         return bases
 
 
+@lru_cache(maxsize=32)
 def round_basis(dimension: int, points: int, degree: int) -> ClosedBasis:
-    """A basis of about ``points`` points; on a sphere twice as many around as between poles."""
+    """A basis of about ``points`` points; on a sphere twice as many around as between poles.
+
+    Kept, as are its tables, which many droplets share."""
     if dimension == 2:
         return ClosedBasis(degree, (points,))
     rows = round(np.sqrt(points / 2))

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, Protocol, Self
 
+from cadbem.operators.equivalent import Sources
 from cadbem.quadrature.closed import SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.interface import Jump
@@ -75,6 +76,9 @@ class Placed(Protocol):
 
     def seen_from(self, points: Array) -> Seen:
         """The body as seen from points (dim, M) off it."""
+
+    def sources(self, densities: Densities) -> Sources:
+        """Nodes, all within the samples' extent, that make S[q] + D[u] far away."""
 
     def equation(
         self, viscosity: float, deflated: bool, push: Push | None = None, jump: Jump | None = None

@@ -7,16 +7,16 @@ happens then.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from cadbem.errors import ConditionError
 from cadbem.spline.basis import Array
-from cadbem.suspension.body import Placed
+from cadbem.suspension.body import Placed, Push
+from cadbem.suspension.crowd import Crowd
 from cadbem.suspension.surroundings import Surroundings
 
 WATCHED = 3.0  # spacings of a body's points within which its gaps are known
@@ -113,17 +113,16 @@ def narrowest(
     surroundings: Surroundings, bodies: Sequence[Placed], numbers: Sequence[int], everywhere: bool
 ) -> list[Gap]:
     """The narrowest gap of each body, as far as it is watched, or ``everywhere``."""
-    gaps = []
+    gaps, crowd = [], Crowd(bodies)
     for i, body in enumerate(bodies):
-        reach = np.inf if everywhere else WATCHED * body.spacing
-        wall, name, opening, which = _to_walls(surroundings, body, reach)
         own = body.spacing
+        reach = np.inf if everywhere else WATCHED * own
+        wall, name, opening, which = _to_walls(surroundings, body, reach)
         gap = Gap(numbers[i], wall, f"'{name}'", own, opening, which, own)
-        for j, other in enumerate(bodies):
-            length = between(body, other, reach) if i != j else np.inf
-            if length < gap.length:
-                spacing = max(own, other.spacing)
-                gap = replace(gap, length=length, other=f"body {numbers[j]}", spacing=spacing)
+        length, j = crowd.nearest(i, reach)
+        if length < gap.length:
+            spacing = max(own, bodies[j].spacing)
+            gap = replace(gap, length=length, other=f"body {numbers[j]}", spacing=spacing)
         gaps.append(gap)
     return gaps
 
@@ -144,38 +143,18 @@ def _to_walls(
     return result[0], result[1], result[2], result[3]
 
 
-def between(body: Placed, other: Placed, reach: float) -> float:
-    """Narrowest gap between two bodies, negative if they overlap, inf beyond reach."""
-    close = _near(body.samples, other, reach)
-    if not close.any():
-        return float("inf")
-    return float(other.distance(body.samples[:, close]).min())
-
-
-def push(
-    surroundings: Surroundings, bodies: Sequence[Placed], number: int, contact: Contact
-) -> Callable[[Array], Array] | None:
+def push(surroundings: Surroundings, crowd: Crowd, number: int, contact: Contact) -> Push | None:
     """The pressure (M,) of a contact rule at points (dim, M) of one of the bodies, if any."""
     if not contact.reach:
         return None
 
     def pressure(points: Array) -> Array:
         seen = surroundings.nearest(points, contact.reach)
-        gaps = np.where(seen.opening, np.inf, seen.distance)
-        for other in (b for i, b in enumerate(bodies) if i != number):
-            near = _near(points, other, contact.reach)
-            if near.any():
-                gaps[near] = np.minimum(gaps[near], other.distance(points[:, near]))
-        return contact.pressure(gaps)
+        walls = np.where(seen.opening, np.inf, seen.distance)
+        others = crowd.gaps(number, points, contact.reach)
+        return contact.pressure(np.minimum(walls, others))
 
     return pressure
-
-
-def _near(points: Array, body: Placed, reach: float) -> NDArray[np.bool_]:
-    """Which points (dim, M) may be within ``reach`` of a body."""
-    middle = body.targets.mean(axis=1)[:, None]
-    radius = np.linalg.norm(body.targets - middle, axis=0).max() + body.spacing
-    return np.linalg.norm(points - middle, axis=0) < radius + reach
 
 
 def check_start(

@@ -10,7 +10,9 @@ import numpy as np
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.closed import ClosedLayers, closed_operator
-from cadbem.operators.closed_field import OffSurface, signed_distance
+from cadbem.operators.closed_field import OffSurface, even_sources
+from cadbem.operators.closed_nearest import signed_distance
+from cadbem.operators.equivalent import Sources
 from cadbem.quadrature.closed import SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
@@ -138,6 +140,10 @@ class PlacedDroplet:
         """The traction's jump, unless the law has an unknown of its own."""
         law = self.body.interface
         return law.jump_of(self.layers) if hasattr(law, "jump_of") else None
+
+    def sources(self, densities: Densities) -> Sources:
+        """Nodes that make S[q] + D[u] far away."""
+        return even_sources(self.layers, *densities)
 
     def seen_from(self, points: Array) -> SeenDroplet:
         """The droplet as seen from points (dim, M) off it."""

@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.operators.equivalent import FarField
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import Placed
 from cadbem.suspension.surroundings import Surroundings
-from cadbem.suspension.together import Meeting
+from cadbem.suspension.together import FAR, Meeting
 
 
 def velocity_at(
@@ -19,6 +20,7 @@ def velocity_at(
     bodies: Sequence[Placed],
     responses: Sequence[Any],
     points: ArrayLike,
+    far: FarField | None = FAR,
 ) -> Array:
     """Velocity (dim, M) at points (dim, M) off the bodies' surfaces.
 
@@ -26,11 +28,11 @@ def velocity_at(
     all this is λ times the velocity, inside a rigid body the velocity is known.
     """
     position = np.ascontiguousarray(points, dtype=float)
-    meeting = Meeting(surroundings, tuple(bodies))
-    at_walls = meeting.velocity_at_walls([r.densities for r in responses])
+    meeting = Meeting(surroundings, tuple(bodies), far=far)
+    densities = [r.densities for r in responses]
+    at_walls = meeting.velocity_at_walls(densities)
     total = surroundings.at(position).velocity(at_walls)
-    for body, response in zip(bodies, responses, strict=True):
-        total = total + body.seen_from(position).velocity(response.densities)
+    total = total + meeting.made_at(position, densities)
     for body, response in zip(bodies, responses, strict=True):
         inside = body.distance(position) < 0
         total[:, inside] = body.inner_velocity(response, position[:, inside], total[:, inside])

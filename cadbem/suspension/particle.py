@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
+from cadbem.operators.equivalent import Sources
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature, Rules
@@ -155,6 +156,14 @@ class PlacedParticle:
     def samples(self) -> Array:
         """Points (dim, M) of a Gauss rule on the surface."""
         return self._world(self.body.resistance.surface[0].position)
+
+    def sources(self, densities: Densities) -> Sources:
+        """Nodes that make S[q] far away."""
+        position, weighted = self.body.resistance.nodes
+        single, _ = densities
+        if single is not None:
+            single = self._turn @ single @ weighted
+        return Sources(self._world(position), single)
 
     def seen_from(self, points: Array) -> SeenParticle:
         """The particle as seen from points (dim, M) off it."""

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ShapeError
@@ -99,6 +100,17 @@ class Resistance:
     def nearest(self) -> NearestSearch:
         """What finds nearest points on the surface."""
         return NearestSearch(self.boundary)
+
+    @cached_property
+    def nodes(self) -> tuple[Array, Array]:
+        """Nodes (dim, K) on the surface, and each function's values (F, K) there with weights."""
+        unit, patches = Field(self.space, np.ones((1, self.space.count))), self.boundary.patches
+        positions, values = [], []
+        for i, patch in enumerate(patches):
+            parameters, points, weights = unit.nodes(i)
+            positions.append(points.position)
+            values.append(rational_basis(patch.surface, parameters).T * weights)
+        return np.concatenate(positions, axis=1), block_diag(*values)
 
     @cached_property
     def factors(self) -> DenseFactors:

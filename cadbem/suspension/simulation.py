@@ -11,6 +11,7 @@ import numpy as np
 from tqdm import tqdm
 
 from cadbem.errors import ConditionError, ShapeError
+from cadbem.operators.equivalent import FarField
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import Body, Placed
@@ -44,8 +45,9 @@ class Simulation:
 
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
-    ``contact`` says what happens in narrow gaps.  Bodies that reach an opening of the channel have
-    left and are taken out; the run ends with the last.
+    ``contact`` says what happens in narrow gaps; ``far`` how bodies see each other and walls from
+    afar (None: by direct sums).  Bodies that reach an opening of the channel have left and are
+    taken out; the run ends with the last.
     """
 
     flow: Surroundings
@@ -56,6 +58,7 @@ class Simulation:
     mesh: RelaxMesh | None = None
     rule: SelfRule = PolarRule()
     contact: Contact = StopAtGap()
+    far: FarField | None = FarField()
 
     @cached_property
     def start(self) -> State:
@@ -70,7 +73,7 @@ class Simulation:
 
     def respond(self, placed: Sequence[Placed], guess: Sequence[Array]) -> list[Any]:
         """The response of each body."""
-        return respond_together(self.flow, placed, self.contact, guess)
+        return respond_together(self.flow, placed, self.contact, guess, self.far)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
@@ -142,8 +145,13 @@ class Simulation:
         drifts = [b.drift(start) for b, start in self._with_starts(moved)]
         return replace(
             self._repaired(moved, self.mesh), time=old.time + length, steps=old.steps + 1,
-            evaluations=evaluations, length=length, drift=max(drifts, key=abs),
+            evaluations=evaluations + self._needs_slope(step.slope), length=length,
+            drift=max(drifts, key=abs),
         )  # fmt: skip
+
+    def _needs_slope(self, slope: Array | None) -> bool:
+        """Whether the slope at a step's end must be worked out for the next step."""
+        return slope is None or self.mesh is not None
 
     def _accept(self, old: State, after: State, slope: Array | None) -> _Point:
         """The point after a step; the old one, stopped, if it is not sound.
@@ -160,8 +168,7 @@ class Simulation:
             left = old.left | leaving
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
-        if slope is None or self.mesh is not None:
-            after = replace(after, evaluations=after.evaluations + 1)
+        if slope is None or self._needs_slope(slope):
             return _Point(after, self.slope(after))
         return _Point(after, slope)
 

@@ -95,14 +95,15 @@ class State:
 
     def velocity_at(self, points: ArrayLike) -> Array:
         """Velocity (dim, M) at points (dim, M) inside and outside the bodies, in the fluid."""
-        return velocity_at(self.simulation.flow, self.placed, self.responses, points)
+        simulation = self.simulation
+        return velocity_at(simulation.flow, self.placed, self.responses, points, simulation.far)
 
     @cached_property
     def walls(self) -> StokesSolution:
         """Velocity and traction on a channel's boundary, with the bodies in it."""
         flow = self.simulation.flow
         assert isinstance(flow, ChannelFlow), "unbounded fluid has no walls"
-        meeting = Meeting(flow, tuple(self.placed))
+        meeting = Meeting(flow, tuple(self.placed), far=self.simulation.far)
         return flow.solution(meeting.velocity_at_walls([r.densities for r in self.responses]))
 
     @cached_property

@@ -7,9 +7,7 @@ GMRES; the others, such as droplets with λ = 1, then only need to be asked.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -18,15 +16,20 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from cadbem.errors import ConditionError
+from cadbem.kernels.stokes_sums import stokes_sums
+from cadbem.operators.equivalent import FarField, ball_around
+from cadbem.operators.exchange import Cloud, Exchange, clouds_of, in_turns
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import NOTHING, Densities, Equation, Placed, Push, Seen
 from cadbem.suspension.closeness import Contact, StopAtGap, push
+from cadbem.suspension.crowd import Crowd
 from cadbem.suspension.droplet import PlacedDroplet
 from cadbem.suspension.interface import Jump
 from cadbem.suspension.surroundings import Incident, Surroundings
 
 SOLVER_TOLERANCE = 1e-8
 NO_PUSH = StopAtGap()
+FAR = FarField()
 
 Numbers = tuple[int, ...]
 
@@ -36,14 +39,16 @@ def respond_together(
     bodies: Sequence[Placed],
     contact: Contact = NO_PUSH,
     guess: Sequence[Array] = (),
+    far: FarField | None = FAR,
 ) -> list[Any]:
     """The response of each of several bodies, which a ``contact`` rule may push apart.
 
-    A ``guess`` of all unknowns, such as those of a moment ago, saves iterations.
+    A ``guess`` of all unknowns, such as those of a moment ago, saves iterations.  Without ``far``
+    all pairs are summed directly, for comparison.
 
     Raises ConditionError when the iteration fails, or when two laws have an unknown of their own.
     """
-    meeting = Meeting(surroundings, tuple(bodies), contact, tuple(guess))
+    meeting = Meeting(surroundings, tuple(bodies), contact, tuple(guess), far)
     for i, body in enumerate(bodies):
         if isinstance(body, PlacedDroplet) and body.jump is None:
             return _close(meeting, i, body)
@@ -61,6 +66,30 @@ def _close(meeting: Meeting, number: int, body: PlacedDroplet) -> list[Any]:
 
 
 @dataclass(frozen=True, eq=False)
+class View:
+    """What ``bodies`` make at the points of an ``exchange``."""
+
+    bodies: Sequence[Placed]
+    exchange: Exchange
+
+    def made(self, densities: Sequence[Densities], sources: Sequence[int]) -> Array:
+        """Velocity (dim, M) that some of them, the ``sources``, make: Σ (S[q] + D[u]) / 2h."""
+        active = [j for j in sources if densities[j] is not NOTHING]
+        total = self.exchange.apply(active, lambda j: self.bodies[j].sources(densities[j]))
+        total /= 2 * stokes_sums(len(total)).free_term
+        close = in_turns(lambda j: self._seen[j].velocity(densities[j]), active)
+        for j, part in zip(active, close, strict=True):
+            total[:, self.exchange.near(j)] += part
+        return total
+
+    @cached_property
+    def _seen(self) -> list[Seen]:
+        """Each body as seen from the points near it."""
+        points, near = self.exchange.points, self.exchange.near
+        return [body.seen_from(points[:, near(j)]) for j, body in enumerate(self.bodies)]
+
+
+@dataclass(frozen=True, eq=False)
 class Meeting:
     """Bodies at one moment, and what they see of each other, which is worked out once."""
 
@@ -68,7 +97,8 @@ class Meeting:
     bodies: tuple[Placed, ...]
     contact: Contact = NO_PUSH
     guess: tuple[Array, ...] = ()
-    _views: dict[tuple[int, Numbers], Seen] = field(default_factory=dict)
+    far: FarField | None = FAR
+    _views: dict[Numbers, View] = field(default_factory=dict)
     _incidents: dict[Numbers, Incident] = field(default_factory=dict)
 
     def solve(self, jumps: dict[int, Jump]) -> list[Any]:
@@ -81,7 +111,11 @@ class Meeting:
         return _System(self, equations).responses()
 
     def _push(self, number: int) -> Push | None:
-        return push(self.surroundings, self.bodies, number, self.contact)
+        return push(self.surroundings, self._crowd, number, self.contact)
+
+    @cached_property
+    def _crowd(self) -> Crowd:
+        return Crowd(self.bodies)
 
     def velocity_at_walls(self, densities: Sequence[Densities]) -> Array:
         """What bodies make at the walls' points (dim, W)."""
@@ -92,23 +126,17 @@ class Meeting:
     ) -> tuple[Array, list[Array]]:
         """What ``sources`` make at the walls (dim, W), and at the targets of others among the
         ``receivers`` (dim, N) each."""
-        walls = np.zeros(self._walls.shape)
-        felt = [np.zeros(self.bodies[i].targets.shape) for i in receivers]
+        if receivers not in self._views:
+            self._views[receivers] = self._view(receivers)
+        made = self._views[receivers].made(densities, sources)
+        felt = [self.bodies[i].targets for i in receivers]
+        walls, *others = _split(made, [self._walls, *felt])
+        return walls, others
 
-        def velocity(j: int) -> Array:
-            others = tuple(i for i in receivers if i != j)
-            return self._view(j, others).velocity(densities[j])
-
-        if len(sources) == 1:
-            velocities = [velocity(sources[0])]
-        else:
-            with ThreadPoolExecutor(os.cpu_count()) as pool:
-                velocities = list(pool.map(velocity, sources))
-        for j, made in zip(sources, velocities, strict=True):
-            parts = [walls] + [f for i, f in zip(receivers, felt, strict=True) if i != j]
-            for part, share in zip(parts, _split(made, parts), strict=True):
-                part += share
-        return walls, felt
+    def made_at(self, points: Array, densities: Sequence[Densities]) -> Array:
+        """What all bodies make at points (dim, M) off them."""
+        view = View(self.bodies, self._exchange(points, clouds_of(points)))
+        return view.made(densities, range(len(self.bodies)))
 
     @cached_property
     def _walls(self) -> Array:
@@ -116,13 +144,19 @@ class Meeting:
         walls = self.surroundings.walls
         return self.bodies[0].targets[:, :0] if walls is None else walls
 
-    def _view(self, source: int, receivers: Numbers) -> Seen:
-        """A body as seen from the walls and from others' targets."""
-        key = source, receivers
-        if key not in self._views:
-            points = [self._walls, *(self.bodies[i].targets for i in receivers)]
-            self._views[key] = self.bodies[source].seen_from(np.concatenate(points, axis=1))
-        return self._views[key]
+    def _view(self, receivers: Numbers) -> View:
+        """All bodies as seen from the walls and from some bodies' targets."""
+        clouds, parts = clouds_of(self._walls), [self._walls]
+        for i in receivers:
+            first = sum(part.shape[1] for part in parts)
+            parts.append(self.bodies[i].targets)
+            clouds.append(Cloud(first + np.arange(parts[-1].shape[1]), i))
+        return View(self.bodies, self._exchange(np.concatenate(parts, axis=1), clouds))
+
+    def _exchange(self, points: Array, clouds: list[Cloud]) -> Exchange:
+        balls = [ball_around(b.samples) for b in self.bodies]
+        expansions = self.far.expansions(len(points)) if self.far else ()
+        return Exchange(expansions, balls, points, clouds)
 
     def incident(self, receivers: Numbers) -> Incident:
         """The surroundings at some bodies' targets."""
@@ -148,6 +182,11 @@ class _System:
         """Bodies whose fields depend on their unknowns."""
         return tuple(i for i in self._all if self.equations[i].couples)
 
+    @property
+    def _rest(self) -> Numbers:
+        """Bodies that only need to be asked."""
+        return tuple(i for i in self._all if i not in self._coupled)
+
     def responses(self) -> list[Any]:
         """Solve, and tell each body what became of it."""
         unknowns, iterations = self._rights(), 0
@@ -155,8 +194,7 @@ class _System:
             found, iterations = self._iterate([unknowns[i] for i in self._coupled])
             for i, w in zip(self._coupled, found, strict=True):
                 unknowns[i] = w
-            rest = tuple(i for i in self._all if i not in self._coupled)
-            for i, felt in zip(rest, self._felt(unknowns, rest), strict=True):
+            for i, felt in zip(self._rest, self._felt(unknowns, self._rest), strict=True):
                 unknowns[i] = unknowns[i] + self.equations[i].answer(felt)
         pairs = zip(self.equations, unknowns, strict=True)
         return [e.response(w, iterations) for e, w in pairs]
@@ -166,13 +204,12 @@ class _System:
         loads = [e.load for e in self.equations]
         sources = tuple(i for i in self._all if loads[i] is not NOTHING)
         walls, felt = self.meeting.made(loads, sources, self._all)
-        incident = self.meeting.incident(self._all).velocity(walls if sources else None)
-        return [
-            e.start + e.answer(part + made)
-            for e, part, made in zip(
-                self.equations, self._split(incident, self._all), felt, strict=True
-            )
-        ]
+        rights = [e.start for e in self.equations]
+        for group in filter(None, (self._coupled, self._rest)):
+            incident = self.meeting.incident(group).velocity(walls if sources else None)
+            for i, part in zip(group, self._split(incident, group), strict=True):
+                rights[i] = rights[i] + self.equations[i].answer(part + felt[i])
+        return rights
 
     def _felt(self, unknowns: Sequence[Array], receivers: Numbers) -> list[Array]:
         """Velocities (dim, N) at receivers' targets that the unknowns of coupled bodies bring."""
@@ -196,9 +233,8 @@ class _System:
             unknowns[i] = np.ascontiguousarray(w)
         felt = self._felt(unknowns, self._coupled)
         active = [self.equations[i] for i in self._coupled]
-        return [
-            e.apply(w) - e.answer(v) for e, w, v in zip(active, values, felt, strict=True)
-        ]
+        own = in_turns(lambda pair: pair[0].apply(pair[1]), zip(active, values, strict=True))
+        return [w - e.answer(v) for e, w, v in zip(active, own, felt, strict=True)]
 
     def _iterate(self, rights: Sequence[Array]) -> tuple[list[Array], int]:
         residuals: list[float] = []
