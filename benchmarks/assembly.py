@@ -11,10 +11,8 @@ quiet machine.
 from __future__ import annotations
 
 import os
-import resource
-import subprocess
-import sys
 import time
+import tracemalloc
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 
@@ -141,22 +139,14 @@ def growth_rows() -> list[tuple[str, ...]]:
 
 
 def memory(elements: tuple[int, int]) -> tuple[float, float]:
-    """Megabytes of the matrices kept, and at most in use beyond what all runs need."""
-    command = [sys.executable, "-m", "benchmarks.assembly", *map(str, elements)]
-    found = subprocess.run(command, check=True, capture_output=True, text=True)
-    kept, peak = map(float, found.stdout.split())
-    return kept, peak
-
-
-def report_memory(elements: tuple[int, int]) -> None:
-    """Print what ``memory`` asks for; a small problem first loads and compiles everything."""
-    problem((2, 2), Quadrature().tolerance).solve()
-    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    """Megabytes of the matrices kept, and of all arrays at the worst moment."""
+    tracemalloc.start()
     flow = problem(elements, Quadrature().tolerance)
     flow.solve()
-    after = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
     kept = flow.layers.entries.nbytes + flow.system.factors.factors[0].nbytes
-    print(kept / MEGABYTE, (after - before) * 1024 / MEGABYTE)
+    return kept / MEGABYTE, peak / MEGABYTE
 
 
 def thread_rows() -> list[tuple[str, ...]]:
@@ -212,7 +202,4 @@ def tables() -> list[Table]:
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3:
-        report_memory((int(sys.argv[1]), int(sys.argv[2])))
-    else:
-        show(tables())
+    show(tables())
