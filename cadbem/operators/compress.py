@@ -15,6 +15,7 @@ from cadbem.operators.cross import MixedKernel, Seen, cross_approximation, recom
 from cadbem.operators.interactions import Targets, interact_pairs
 from cadbem.operators.layers import run_tasks
 from cadbem.operators.near_blocks import NearBlocks, NearSink
+from cadbem.operators.orders import reaches
 from cadbem.operators.panels import split_patch
 from cadbem.operators.sources import PanelList, Sources, sources
 from cadbem.quadrature import Rules
@@ -91,11 +92,8 @@ class _Builder:
     def _reaches(self) -> Array:
         """Distance from which an order is good enough for all panels of a cluster: (orders, C)."""
         rules, tree = self.quadrature, self.panel_tree
-        factors = np.array([
-            [rules.reach(o, max(p.surface.degrees)) for o in orders]
-            for p, orders in zip(self.panels.panels, self.orders, strict=True)
-        ])  # fmt: skip
-        reach = factors[self.panels.patch].T * self.panels.lengths()
+        parts = zip(self.panels.panels, self.orders, strict=True)
+        reach = self.panels.gathered([reaches(p, tuple(orders), rules) for p, orders in parts])
         pairs = zip(tree.start, tree.stop, strict=True)
         return np.stack([reach[:, a:b].max(axis=1) for a, b in pairs], axis=1)
 

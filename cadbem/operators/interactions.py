@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Index, Kernel
+from cadbem.operators.orders import reaches
 from cadbem.operators.panels import Panels
 from cadbem.operators.sinks import Sink
 from cadbem.operators.tensor import add_tensor, by_blocks
@@ -64,7 +65,7 @@ def interact(
     """Add everything that ``patch`` does to ``targets`` to ``sink``."""
     degree = max(panels.surface.degrees)
     orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
-    level = panels.levels(targets.position, [quadrature.reach(m, degree) for m in orders])
+    level = panels.levels(targets.position, reaches(panels, orders, quadrature))
     for k, order in enumerate(orders):
         target, panel = by_blocks(level == k)
         add_tensor(kernel, panels, order, targets.position, target, panel, sink)
@@ -88,8 +89,7 @@ def interact_pairs(
     orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
     centres, radii = panels.sphere
     away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0) - radii[panel]
-    ratio = away / panels.lengths[panel]
-    level = np.sum([ratio < quadrature.reach(order, degree) for order in orders], axis=0)
+    level = (away < reaches(panels, orders, quadrature)[:, panel]).sum(axis=0)
     for k, order in enumerate(orders):
         far = target[level == k], panel[level == k]
         add_tensor(kernel, panels, order, targets.position, *far, sink)
@@ -129,7 +129,7 @@ def mend(
     """
     degree = max(panels.surface.degrees)
     lowest = quadrature.orders(degree)[0]
-    level = panels.levels(targets.position, [quadrature.reach(lowest, degree)])
+    level = panels.levels(targets.position, reaches(panels, (lowest,), quadrature))
     close = _Close.of(panels, patch, targets, quadrature, *by_blocks(level > 0))
     for k in range(1, len(close.orders)):
         close.add(kernel, k, targets, sink)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -50,6 +49,20 @@ class Panels:
         return np.ascontiguousarray(self.nets.reshape(-1, *self.nets.shape[2:]))
 
     @cached_property
+    def functions(self) -> tuple[Index, Index]:
+        """Places in the net of the functions on each panel: (P_u, 1, i, 1) and (1, P_v, 1, j)."""
+        u, v = (
+            first[:, None] + np.arange(degree + 1)
+            for first, degree in zip(self.first, self.surface.degrees, strict=True)
+        )
+        return u[:, None, :, None], v[None, :, None, :]
+
+    @property
+    def controls(self) -> Array:
+        """Their weights: (P_u, P_v, i, j)."""
+        return self.surface.weights[self.functions]
+
+    @cached_property
     def samples(self) -> tuple[Array, Array, Array]:
         """Parameters u, v (S,) and positions (E, S, dim) of a coarse grid on each panel."""
         axes = [np.linspace(0, 1, n) for n in self._sample_counts]
@@ -89,24 +102,21 @@ class Panels:
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
         return np.maximum(u, v)
 
-    def levels(self, position: Array, reaches: Sequence[float]) -> NDArray[np.int8]:
-        """How many of the ``reaches``, in panel lengths, each pair may be nearer than: (T, E).
+    def levels(self, position: Array, reaches: Array) -> NDArray[np.int8]:
+        """How many of the ``reaches`` (J, E) each pair may be nearer than: (T, E).
 
         Points (dim, T) are taken for nearer than they are: by the ball around a panel.
         """
-        return self._ball_levels(position, np.outer(reaches, self.lengths))
-
-    def close_pairs(self, position: Array, reach: Array) -> tuple[Index, Index]:
-        """Pairs of points (dim, T) and panels that may be nearer than ``reach`` (E,)."""
-        target, panel = np.nonzero(self._ball_levels(position, reach[None]))
-        return target, panel
-
-    def _ball_levels(self, position: Array, reaches: Array) -> NDArray[np.int8]:
         centres, radii = self.sphere
         level = np.empty((position.shape[1], len(radii)), dtype=np.int8)
         position, centres = np.ascontiguousarray(position), np.ascontiguousarray(centres)
         ball_levels(position, centres, reaches + radii, level)
         return level
+
+    def close_pairs(self, position: Array, reach: Array) -> tuple[Index, Index]:
+        """Pairs of points (dim, T) and panels that may be nearer than ``reach`` (E,)."""
+        target, panel = np.nonzero(self.levels(position, reach[None]))
+        return target, panel
 
     def closest(self, position: Array, target: Index, panel: Index) -> Array:
         """Closest points (3, pairs) of pairs: u, v within the panel, distance."""
@@ -211,11 +221,8 @@ class Nodes:
 
     def densities(self, panels: Panels, density: Array) -> Array:
         """Weighted values (components, nodes) of coefficients (components, n_u, n_v)."""
-        spans = [f[:, None] + np.arange(p + 1) for f, p in zip(
-            panels.first, panels.surface.degrees, strict=True
-        )]  # fmt: skip
-        places = spans[0][:, None, :, None], spans[1][None, :, None, :]
-        local = density[:, *places] * panels.surface.weights[places]
+        places = panels.functions
+        local = density[:, *places] * panels.controls
         along_u, along_v = self.functions
         values = along_u[None, :, None] @ (local @ along_v.swapaxes(1, 2)[None, None])
         weighted = values * self.weight.reshape(values.shape[1:])
