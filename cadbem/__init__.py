@@ -72,10 +72,10 @@ if TYPE_CHECKING:
     from cadbem.spline.closed import ClosedBasis as ClosedBasis
     from cadbem.spline.closed import ClosedSpline as ClosedSpline
     from cadbem.spline.closed import closed_spline as closed_spline
-    from cadbem.spline.closed import spline_circle as spline_circle
-    from cadbem.spline.closed import spline_ellipse as spline_ellipse
-    from cadbem.spline.closed import spline_ellipsoid as spline_ellipsoid
-    from cadbem.spline.closed import spline_sphere as spline_sphere
+    from cadbem.spline.closed_shapes import spline_circle as spline_circle
+    from cadbem.spline.closed_shapes import spline_ellipse as spline_ellipse
+    from cadbem.spline.closed_shapes import spline_ellipsoid as spline_ellipsoid
+    from cadbem.spline.closed_shapes import spline_sphere as spline_sphere
     from cadbem.spline.shapes import box as box
     from cadbem.spline.shapes import cylinder as cylinder
     from cadbem.spline.shapes import ellipsoid as ellipsoid
@@ -182,6 +182,8 @@ _NAMES = {
         "ClosedBasis",
         "ClosedSpline",
         "closed_spline",
+    ),
+    "spline.closed_shapes": (
         "spline_circle",
         "spline_ellipse",
         "spline_ellipsoid",

@@ -21,7 +21,8 @@ from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature, Rules, UniformSubdivision
 from cadbem.quadrature.panels import closest_on_panels
 from cadbem.space import discontinuous_space
-from cadbem.spline.closed import ClosedSpline, spline_circle, spline_sphere
+from cadbem.spline.closed import ClosedSpline
+from cadbem.spline.closed_shapes import spline_circle, spline_sphere
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box, sphere_with_poles
 from cadbem.suspension.body import Body

@@ -11,7 +11,8 @@ from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.closed import ClosedLayers, ClosedOperator
 from cadbem.post.plots import fitted_order
 from cadbem.quadrature.closed import PolarRule, SingularitySubtraction, closed_rule
-from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline, spline_ellipsoid
+from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
+from cadbem.spline.closed_shapes import spline_ellipsoid
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.flows import at_rest, shear
 from cadbem.suspension.free_flow import FreeFlow

@@ -7,15 +7,12 @@ from scipy.special import sph_harm_y
 from cadbem.closed_points import ClosedGrid
 from cadbem.errors import ShapeError
 from cadbem.post.plots import fitted_order
-from cadbem.spline.closed import (
-    ClosedBasis,
-    ClosedSpline,
-    closed_spline,
+from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline, unit_point
+from cadbem.spline.closed_shapes import (
     spline_circle,
     spline_ellipse,
     spline_ellipsoid,
     spline_sphere,
-    unit_point,
 )
 
 RANDOM = np.random.default_rng(1)

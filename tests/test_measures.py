@@ -11,10 +11,8 @@ from alone import alone
 from scipy.special import ellipe, ellipeinc, ellipkinc
 
 from cadbem.operators.closed import ClosedLayers, ClosedOperator
-from cadbem.spline.closed import (
-    ClosedBasis,
-    ClosedSpline,
-    closed_spline,
+from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
+from cadbem.spline.closed_shapes import (
     round_basis,
     spline_circle,
     spline_ellipse,

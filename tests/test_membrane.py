@@ -22,15 +22,12 @@ from scipy.special import ellipe, eval_legendre
 from cadbem.errors import ConditionError
 from cadbem.operators.closed import ClosedLayers, ClosedOperator
 from cadbem.quadrature.closed import PolarRule
-from cadbem.spline.closed import (
-    ClosedBasis,
-    ClosedSpline,
-    closed_spline,
+from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline, unit_point
+from cadbem.spline.closed_shapes import (
     spline_circle,
     spline_ellipse,
     spline_ellipsoid,
     spline_sphere,
-    unit_point,
 )
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.flows import at_rest, shear

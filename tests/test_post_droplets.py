@@ -14,7 +14,8 @@ from cadbem.post.droplets import (
     write_droplets,
 )
 from cadbem.post.style import INK, PALETTE
-from cadbem.spline.closed import ClosedBasis, spline_circle, spline_ellipsoid, spline_sphere
+from cadbem.spline.closed import ClosedBasis
+from cadbem.spline.closed_shapes import spline_circle, spline_ellipsoid, spline_sphere
 
 pyvista = pytest.importorskip("pyvista")
 

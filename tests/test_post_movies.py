@@ -19,7 +19,7 @@ from cadbem.post import (
 from cadbem.post.bodies import body_colour, body_surface, legend_of, spread_points, time_labels
 from cadbem.post.palette import EXACT, Palette
 from cadbem.post.style import OPENING, PALETTE
-from cadbem.spline.closed import spline_circle, spline_sphere
+from cadbem.spline.closed_shapes import spline_circle, spline_sphere
 from cadbem.spline.outlines import circle, rectangle
 from cadbem.spline.shapes import sphere
 

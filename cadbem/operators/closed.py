@@ -28,7 +28,8 @@ from cadbem.quadrature.closed import (
     closed_rule,
 )
 from cadbem.spline.basis import Array
-from cadbem.spline.closed import ClosedBasis, ClosedSpline, window
+from cadbem.spline.closed import ClosedBasis, ClosedSpline
+from cadbem.spline.uniform import window
 
 THREADS_FROM = 400  # points from which threads are worth starting
 

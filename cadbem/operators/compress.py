@@ -11,7 +11,7 @@ import numpy as np
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.clusters import Pairs, Tree, cluster, partition
 from cadbem.operators.compressed import Collect, CompressedMatrix, Spread
-from cadbem.operators.cross import MixedKernel, Seen, cross_approximation
+from cadbem.operators.cross import MixedKernel, Seen, cross_approximation, recompressed
 from cadbem.operators.interactions import Targets, interact_pairs
 from cadbem.operators.layers import run_tasks
 from cadbem.operators.near_blocks import NearBlocks, NearSink
@@ -169,8 +169,9 @@ class _Builder:
             seen = {level: self._seen(s, level) for level in set(levels)}
             for t, level in zip(near, levels, strict=True):
                 at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
-                pair = cross_approximation(seen[level], at, self.tolerance)
-                made[k].append((pair[0].astype(self.dtype), pair[1].astype(self.dtype)))
+                crosses = cross_approximation(seen[level], at, self.tolerance)
+                left, right = recompressed(*crosses, self.tolerance)
+                made[k].append((left.astype(self.dtype), right.astype(self.dtype)))
 
         run_tasks(work, jobs, "far interactions")
         spread: list[Spread] = []
@@ -182,14 +183,12 @@ class _Builder:
                 parts.setdefault(t, []).append((u, np.arange(first, first + len(u))))
                 first += len(u)
             crosses.clear()
-        collect = [
-            Collect(
-                slice(self.tree.start[t], self.tree.stop[t]),
-                np.concatenate([u for u, _ in group]),
-                np.concatenate([n for _, n in group]),
-            )
-            for t, group in parts.items()
-        ]
+        collect = []
+        for t in list(parts):
+            group = parts.pop(t)
+            here = slice(self.tree.start[t], self.tree.stop[t])
+            tables, crosses_of = zip(*group, strict=True)
+            collect.append(Collect(here, np.concatenate(tables), np.concatenate(crosses_of)))
         return spread, collect
 
     @cached_property

@@ -134,6 +134,17 @@ def cross_approximation(seen: Seen, targets: Array, tolerance: float) -> tuple[A
     return left[:kept], right[:kept, points:]
 
 
+def recompressed(left: Array, right: Array, tolerance: float) -> tuple[Array, Array]:
+    """The same product in as few rows as a ``tolerance``, relative to its Frobenius norm, allows."""
+    if len(left) == 0:
+        return left, right
+    (q_left, r_left), (q_right, r_right) = np.linalg.qr(left.T), np.linalg.qr(right.T)
+    u, values, v = np.linalg.svd(r_left @ r_right.T)
+    tails = np.sqrt(np.cumsum(values[::-1] ** 2))[::-1]
+    kept = int((tails > tolerance * tails[0]).sum())
+    return (q_left @ (u[:, :kept] * values[:kept])).T, v[:kept] @ q_right.T
+
+
 def _doubled(table: Array) -> Array:
     """Room for twice as many rows."""
     return np.concatenate([table, np.empty_like(table)])

@@ -48,8 +48,8 @@ class Iteration:
     @cached_property
     def _weights(self) -> Array:
         """Factors (k,) of the constraints, which give each the weight of all equations."""
-        rows = (self.border.rows * self.scale).reshape(len(self.border.rows), -1)
-        return np.sqrt(self.scale.size) / np.maximum(np.linalg.norm(rows, axis=1), 1e-300)
+        norms = np.sqrt(((self.border.rows * self.scale) ** 2).sum(axis=(1, 2)))
+        return np.sqrt(self.scale.size) / np.maximum(norms, 1e-300)
 
     @cached_property
     def _rows(self) -> Array:
@@ -60,13 +60,13 @@ class Iteration:
     def _fields(self) -> Array:
         """(rows × T, k)."""
         fields = self.border.fields
-        return fields.reshape(len(fields), -1).T
+        return fields.reshape(len(fields), self.scale.size).T
 
     @cached_property
     def _schur(self) -> tuple[Array, Array]:
         """Roughly solved fields (F, k), and the inverse of what is left for their factors."""
         columns = [self._rough(column) for column in self._fields.T]
-        solved = np.reshape(columns, (len(self._rows), -1)).T
+        solved = np.reshape(columns, (len(self._rows), self.scale.size)).T
         inverse = np.asarray(np.linalg.inv(-self._rows @ solved), dtype=float)
         return solved, inverse
 

@@ -20,40 +20,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import null_space
 
 from cadbem.errors import ShapeError
-from cadbem.spline.basis import Array, basis_functions, basis_matrix, greville, open_knots
+from cadbem.spline.basis import Array, basis_matrix, greville, open_knots
 from cadbem.spline.nurbs import Nurbs
+from cadbem.spline.uniform import periodic_matrix, window
 
 ROOM = 1.5  # azimuthal waves kept near the poles, relative to evenly spread points
-
-
-def window(degree: int, count: int, length: float, t: ArrayLike, order: int = 0):
-    """The degree + 1 uniform B-splines around each t on an axis of ``count`` spans.
-
-    Function i is centred at (i + 1/2) length / count.  Returns the first function (m,), not
-    wrapped into 0 ... count - 1, and the derivatives of the given order (degree + 1, m).
-    """
-    step = length / count
-    place = np.asarray(t, dtype=float).ravel() / step - 0.5 + 0.5 * (degree + 1)
-    span = np.floor(place)
-    knots = np.arange(-degree, degree + 2, dtype=float)
-    _, values = basis_functions(degree, knots, place - span, order)
-    return span.astype(np.int64) - degree, values[order] / step**order
-
-
-def periodic_matrix(degree: int, count: int, length: float, t: ArrayLike, order: int = 0) -> Array:
-    """Derivative of every periodic B-spline of an axis at every t: (m, count)."""
-    first, values = window(degree, count, length, t, order)
-    matrix = np.zeros((len(first), count))
-    for j, value in enumerate(values):
-        np.add.at(matrix, (np.arange(len(first)), (first + j) % count), value)
-    return matrix
 
 
 @dataclass(frozen=True)
@@ -243,17 +221,6 @@ class ClosedBasis:
         return bases
 
 
-@lru_cache(maxsize=32)
-def round_basis(dimension: int, points: int, degree: int) -> ClosedBasis:
-    """A basis of about ``points`` points; on a sphere twice as many around as between poles.
-
-    Kept, as are its tables, which many droplets share."""
-    if dimension == 2:
-        return ClosedBasis(degree, (points,))
-    rows = round(np.sqrt(points / 2))
-    return ClosedBasis(degree, (rows, 2 * rows))
-
-
 def unit_measure(dimension: int) -> float:
     """Length of the unit circle or area of the unit sphere."""
     return 2 * np.pi if dimension == 2 else 4 * np.pi
@@ -324,46 +291,3 @@ def closed_spline(basis: ClosedBasis, shape: Callable[[Array], Array]) -> Closed
     """The image of the unit circle or sphere under ``shape((dim, N)) -> (dim, N)``."""
     values = shape(unit_point(*basis.parameters()))
     return ClosedSpline(basis, basis.fit(values.reshape(-1, *basis.shape)))
-
-
-def spline_ellipsoid(
-    semi_axes: ArrayLike,
-    centre: ArrayLike | None = None,
-    points: int = 200,
-    degree: int = 4,
-    pole: int = 2,
-) -> ClosedSpline:
-    """An ellipsoid along the coordinate axes with its poles on the axis ``pole`` (0, 1 or 2)."""
-    axes = np.asarray(semi_axes, dtype=float)
-    middle = np.zeros(len(axes)) if centre is None else np.asarray(centre, dtype=float)
-    turn = 2 - pole if len(axes) == 3 else 0
-
-    def shape(unit: Array) -> Array:
-        return middle[:, None] + axes[:, None] * np.roll(unit, -turn, axis=0)
-
-    return closed_spline(round_basis(len(axes), points, degree), shape)
-
-
-def spline_sphere(
-    radius: float = 1.0,
-    centre: ArrayLike = (0.0, 0.0, 0.0),
-    points: int = 200,
-    degree: int = 4,
-    pole: int = 2,
-) -> ClosedSpline:
-    """A sphere of about ``points`` collocation points."""
-    return spline_ellipsoid((radius,) * 3, centre, points, degree, pole)
-
-
-def spline_ellipse(
-    semi_axes: ArrayLike, centre: ArrayLike = (0.0, 0.0), points: int = 64, degree: int = 4
-) -> ClosedSpline:
-    """An ellipse along the coordinate axes."""
-    return spline_ellipsoid(semi_axes, centre, points, degree)
-
-
-def spline_circle(
-    radius: float = 1.0, centre: ArrayLike = (0.0, 0.0), points: int = 64, degree: int = 4
-) -> ClosedSpline:
-    """A circle of ``points`` collocation points."""
-    return spline_ellipse((radius, radius), centre, points, degree)

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from scipy.linalg import block_diag
+from scipy.sparse import block_diag, csr_array, diags_array
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ShapeError
@@ -102,15 +102,15 @@ class Resistance:
         return NearestSearch(self.boundary)
 
     @cached_property
-    def nodes(self) -> tuple[Array, Array]:
+    def nodes(self) -> tuple[Array, csr_array]:
         """Nodes (dim, K) on the surface, and each function's values (F, K) there with weights."""
-        unit, patches = Field(self.space, np.ones((1, self.space.count))), self.boundary.patches
+        unit = Field(self.space, np.ones((1, self.space.count)))
         positions, values = [], []
-        for i, patch in enumerate(patches):
+        for i, patch in enumerate(self.boundary.patches):
             parameters, points, weights = unit.nodes(i)
             positions.append(points.position)
-            values.append(rational_basis(patch.surface, parameters).T * weights)
-        return np.concatenate(positions, axis=1), block_diag(*values)
+            values.append(rational_basis(patch.surface, parameters).T @ diags_array(weights))
+        return np.concatenate(positions, axis=1), csr_array(block_diag(values))
 
     @cached_property
     def factors(self) -> DenseFactors:
