@@ -97,12 +97,11 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
 @compiled
 def add_entries(rows, first_u, first_v, values, entries):
     """Add values (pairs, entries, i, j) to ``entries`` (entries, T, n_u, n_v)."""
-    for k in range(len(rows)):
-        for e in range(len(entries)):
-            for i in range(values.shape[2]):
-                # slices once, not indices each time: what is added is short
-                last = first_v[k] + values.shape[3]
-                into = entries[e, rows[k], first_u[k] + i, first_v[k] : last]
-                part = values[k, e, i]
-                for j in range(len(part)):
-                    into[j] += part[j]
+    height, width = values.shape[2:]
+    for e in range(len(entries)):  # outermost: what neighbouring panels share stays in cache
+        for k in range(len(rows)):
+            u, v = first_u[k], first_v[k]
+            into, part = entries[e, rows[k], u : u + height, v : v + width], values[k, e]
+            for i in range(height):
+                for j in range(width):
+                    into[i, j] += part[i, j]
