@@ -70,16 +70,13 @@ class Record:
         if not self.kept:
             return None
         rows, first_u, first_v, values = (np.concatenate(x) for x in zip(*self.kept, strict=True))
-        count, entries, height, width = values.shape
-        places = (
-            np.broadcast_to(x, (count, height, width)).ravel()
-            for x in (
-                rows[:, None, None],
-                first_u[:, None, None] + np.arange(height)[:, None],
-                first_v[:, None, None] + np.arange(width),
-            )
+        entries, height, width = values.shape[1:]
+        spread = np.broadcast_arrays(
+            rows[:, None, None],
+            first_u[:, None, None] + np.arange(height)[:, None],
+            first_v[:, None, None] + np.arange(width),
         )
-        places = np.stack(list(places))
+        places = np.stack([x.ravel() for x in spread])
         shape = places.max(axis=1) + 1
         self.kept.clear()
         keys, place = np.unique(np.ravel_multi_index(tuple(places), shape), return_inverse=True)
