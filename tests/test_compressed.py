@@ -177,6 +177,34 @@ def test_heat_through_a_slab():
     assert heat.temperature_at(middle) == pytest.approx([2.6, 2.0], abs=1e-7)
 
 
+def test_bodies_in_a_channel():
+    """A droplet and a sphere move as in the same channel with dense layers.
+
+    Walls answer with an error of some times the tolerance, and the bodies' iteration ends above it.
+    """
+    velocities = []
+    for storage in (cb.Dense(), cb.Compressed(1e-8)):
+        boundary = channel().elevated(2).refined(6)
+        conditions = {
+            "inlet": cb.Inflow(mean_velocity=1.0),
+            "outlet": cb.Pressure(0.0),
+            "walls": cb.NoSlip(),
+        }
+        problem = cb.StokesProblem(
+            boundary, 1.0, conditions, cb.Quadrature(1e-6), storage=storage
+        )
+        shape = cb.spline_sphere(0.2, (-0.4, 0.1, 0.0), points=72)
+        bodies = [
+            cb.Droplet(shape, cb.SurfaceTension(5.0), viscosity_ratio=5.0),
+            cb.rigid_sphere(0.15, (0.3, -0.1, 0.05), spans=1),
+        ]
+        drop, ball = cb.Simulation(cb.ChannelFlow(problem), bodies).start.responses
+        velocities.append((drop.velocity, ball.velocity))
+    assert abs(velocities[0][0]).max() > 1
+    for dense, compressed in zip(*velocities, strict=True):
+        assert abs(compressed - dense).max() < 1e-5
+
+
 def test_storage_follows_the_size():
     """Dense to 4000 points, compressed beyond; tolerances out of range are refused."""
     assert storage_for(4000) == cb.Dense()

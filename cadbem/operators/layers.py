@@ -42,6 +42,11 @@ class Layers:
     entries: Array
 
     @property
+    def tolerance(self) -> float:
+        """Of systems beyond round-off: none."""
+        return 0.0
+
+    @property
     def count(self) -> int:
         """Number of targets."""
         return self.entries.shape[1]

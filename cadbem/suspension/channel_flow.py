@@ -47,6 +47,11 @@ class ChannelFlow:
         return self.problem.solve()
 
     @property
+    def accuracy(self) -> float:
+        """That of the channel's linear system."""
+        return self.problem.layers.tolerance
+
+    @property
     def walls(self) -> Array:
         """The collocation points (dim, W) of the channel."""
         return self.problem.space.collocation.position

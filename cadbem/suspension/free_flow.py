@@ -28,6 +28,11 @@ class FreeFlow:
             raise ConditionError(f"viscosity {self.viscosity}: give a positive number")
 
     @property
+    def accuracy(self) -> float:
+        """Exact."""
+        return 0.0
+
+    @property
     def walls(self) -> None:
         """None."""
         return None

@@ -52,6 +52,10 @@ class Surroundings(Protocol):
         """Whether to deflate the equations of droplets."""
 
     @property
+    def accuracy(self) -> float:
+        """Relative error of what walls add, beyond round-off and that of their points."""
+
+    @property
     def walls(self) -> Array | None:
         """Points (dim, W) at which walls must know what bodies make, if there are walls."""
 

@@ -28,6 +28,7 @@ from cadbem.suspension.interface import Jump
 from cadbem.suspension.surroundings import Incident, Surroundings
 
 SOLVER_TOLERANCE = 1e-8
+ABOVE_WALLS = 10.0  # times the error of walls' answers, below which no iteration can come
 NO_PUSH = StopAtGap()
 FAR = FarField()
 
@@ -248,9 +249,10 @@ class _System:
         if self.meeting.guess:
             parts = [self.meeting.guess[i] for i in self._coupled]
             start = np.concatenate(parts, axis=1).ravel()
+        tolerance = max(SOLVER_TOLERANCE, ABOVE_WALLS * self.meeting.surroundings.accuracy)
         system = LinearOperator((right.size, right.size), apply, dtype=float)
         solution, failed = gmres(
-            system, right, x0=right if start is None else start, rtol=SOLVER_TOLERANCE,
+            system, right, x0=right if start is None else start, rtol=tolerance,
             restart=60, maxiter=5, callback=residuals.append, callback_type="pr_norm",
         )  # fmt: skip
         if failed:
