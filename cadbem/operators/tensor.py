@@ -45,7 +45,7 @@ def add_tensor(
     weight = nodes.weight.reshape(*panels.shape, *(s[0] for s in shape))
     control = panels.surface.weights
     count = max(TABLE // width, 1)
-    table = np.empty((kernel.entries, count * width))
+    table = np.zeros((kernel.entries, count * width))  # the last columns may stay unused
     room = np.empty((count, kernel.entries, *(s[1] for s in shape)))
     columns = width * np.arange(count)
     for low in range(0, len(panel), count):
