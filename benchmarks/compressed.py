@@ -142,9 +142,10 @@ def multipole_rows() -> list[Row]:
     if find_spec("fmm3dpy") is None:
         return [("fmm3dpy is not installed", "", "", "", "", "", "")]
     one = fresh("compressed", "multipoles")
+    own, few, many = one["own"], one["few"], one["many"]
     return [(
-        f"{one['points']}", f"{one['own']:.3f}", f"{one['few']:.1f}", f"{one['few'] / one['own']:.0f}",
-        f"{one['nodes']}", f"{one['many']:.1f}", f"{one['many'] / one['own']:.0f}",
+        f"{one['points']}", f"{own:.3f}", f"{few:.1f}", f"{few / own:.0f}",
+        f"{one['nodes']}", f"{many:.1f}", f"{many / own:.0f}",
     )]  # fmt: skip
 
 
