@@ -13,6 +13,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.clusters import Tree
@@ -28,40 +29,40 @@ GROUPS = 100  # clusters, at least, unless they were smaller than two leaves
 class TwoLevel:
     """See the top of this file.
 
-    ``group`` (F,) numbers the cluster of each unknown; ``made`` (rows × T, k) is A Z and
+    ``group`` (F,) numbers the cluster of each unknown; ``made`` (rows × T, k) is A Z in 32 bits and
     ``inverse`` (k, k) that of Zᵀ A Z, for k = components × clusters; ``near`` is M.
     """
 
     near: Overlapping
     group: Index
-    made: Array
+    made: NDArray[np.float32]
     inverse: Array
 
     def solve(self, right: Array) -> Array:
         """Unknowns (components, F), roughly, for a right side of the same shape."""
         sums = [np.bincount(self.group, weights=row) for row in right]
         amounts = self.inverse @ np.concatenate(sums)
-        rest = right - (self.made @ amounts).reshape(right.shape)
+        rest = right - (self.made @ amounts.astype(np.float32)).reshape(right.shape)
         return self.near.solve(rest) + amounts.reshape(len(right), -1)[:, self.group]
 
 
 def two_level(matrix: CompressedMatrix, positions: Array) -> TwoLevel:
     """The preconditioner of a matrix whose target i, at ``positions``[:, i], is unknown i's."""
     group, components = _groups(matrix.tree), matrix.mixed.unknowns
-    count = int(group.max()) + 1
-    columns = np.zeros((components, len(group), components, count))
-    for c in range(components):
-        columns[c, np.arange(len(group)), c, group] = 1.0
-    columns = columns.reshape(components, len(group), -1)
-    starts = range(0, columns.shape[2], COLUMNS)
-    parts = [matrix.apply(columns[:, :, k : k + COLUMNS]) for k in starts]
-    made = np.concatenate(parts, axis=2)
-    sums = np.zeros((components, count, made.shape[2]))
-    for c in range(components):
-        np.add.at(sums[c], group, made[c])
-    inverse = np.asarray(np.linalg.inv(sums.reshape(components * count, -1)), dtype=float)
-    near = overlapping(matrix, positions)
-    return TwoLevel(near, group, made.reshape(-1, made.shape[2]), inverse)
+    count, size = int(group.max()) + 1, len(group)
+    made = np.empty((components * size, components * count), dtype=np.float32)
+    sums = np.zeros((components * count, components * count))
+    for low in range(0, components * count, COLUMNS):
+        high = min(low + COLUMNS, components * count)
+        columns = np.zeros((components, size, high - low))
+        for k in range(low, high):
+            columns[k // count, group == k % count, k - low] = 1.0
+        part = matrix.apply(columns)
+        made[:, low:high] = part.reshape(components * size, -1)
+        for c in range(components):
+            np.add.at(sums[c * count : (c + 1) * count, low:high], group, part[c])
+    inverse = np.asarray(np.linalg.inv(sums), dtype=float)
+    return TwoLevel(overlapping(matrix, positions), group, made, inverse)
 
 
 def _groups(tree: Tree) -> Index:

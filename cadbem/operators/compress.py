@@ -183,7 +183,8 @@ class _Builder:
         table of columns a cluster of targets."""
         levels = [self._level(t, s) for t in near]
         seen = {level: self._seen(s, level) for level in set(levels)}
-        lefts, rights = [], []
+        lefts: list[Array] = []
+        rights: list[Array] = []
         for t, level in zip(near, levels, strict=True):
             at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
             crosses = cross_approximation(seen[level], at, self.tolerance)
