@@ -19,9 +19,9 @@ from cadbem.operators.layers import (
     assemble_patch,
     collocation_targets,
     mixed_columns,
-    run_tasks,
     tasks,
 )
+from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import PotentialSink
 from cadbem.operators.solve import Border
 from cadbem.operators.storage import Compressed, Storage, storage_for

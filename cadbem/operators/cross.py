@@ -135,7 +135,7 @@ def cross_approximation(seen: Seen, targets: Array, tolerance: float) -> tuple[A
 
 
 def recompressed(left: Array, right: Array, tolerance: float) -> tuple[Array, Array]:
-    """The same product in as few rows as a ``tolerance``, relative to its Frobenius norm, allows."""
+    """The same product in as few rows as a ``tolerance`` of its Frobenius norm allows."""
     if len(left) == 0:
         return left, right
     (q_left, r_left), (q_right, r_right) = np.linalg.qr(left.T), np.linalg.qr(right.T)

@@ -15,8 +15,9 @@ import numpy as np
 
 from cadbem.kernels.kernel import Kernel, Sums
 from cadbem.operators.interactions import Targets, interact, mend
-from cadbem.operators.layers import Task, run_tasks, tasks
+from cadbem.operators.layers import Task, tasks
 from cadbem.operators.panels import Panels, tensor_nodes
+from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import PotentialSink, Record
 from cadbem.quadrature import Rules
 from cadbem.space import Space

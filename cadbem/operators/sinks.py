@@ -24,12 +24,17 @@ class Sink(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class MatrixSink:
-    """Adds to ``entries`` (entries, T, n_u, n_v), the kernel's matrix of one patch."""
+    """Adds to ``entries`` (entries, T, F), a kernel's matrix: from target ``row`` on, and from the
+    number ``offset`` on the functions of a patch, of which ``columns`` make a row of its net."""
 
     entries: Array
+    columns: int
+    row: int = 0
+    offset: int = 0
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        add_entries(rows, first_u, first_v, values, self.entries)
+        first = self.offset + self.columns * first_u + first_v
+        add_entries(rows + self.row, first, self.columns, values, self.entries)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,14 +100,14 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
 
 
 @compiled
-def add_entries(rows, first_u, first_v, values, entries):
-    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, n_u, n_v)."""
+def add_entries(rows, first, columns, values, entries):
+    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, F): i ``columns`` apart."""
     for k in range(len(rows)):
         for e in range(len(entries)):
             for i in range(values.shape[2]):
                 # slices once, not indices each time: what is added is short
-                last = first_v[k] + values.shape[3]
-                into = entries[e, rows[k], first_u[k] + i, first_v[k] : last]
+                low = first[k] + i * columns
+                into = entries[e, rows[k], low : low + values.shape[3]]
                 part = values[k, e, i]
                 for j in range(len(part)):
                     into[j] += part[j]
