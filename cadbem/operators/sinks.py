@@ -33,8 +33,8 @@ class MatrixSink:
     offset: int = 0
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        first = self.offset + self.columns * first_u + first_v
-        add_entries(rows + self.row, first, self.columns, values, self.entries)
+        place = self.columns, self.row, self.offset
+        add_entries(rows, first_u, first_v, values, *place, self.entries)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,14 +100,13 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
 
 
 @compiled
-def add_entries(rows, first, columns, values, entries):
-    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, F): i ``columns`` apart."""
-    for k in range(len(rows)):
-        for e in range(len(entries)):
-            for i in range(values.shape[2]):
-                # slices once, not indices each time: what is added is short
-                low = first[k] + i * columns
-                into = entries[e, rows[k], low : low + values.shape[3]]
-                part = values[k, e, i]
-                for j in range(len(part)):
-                    into[j] += part[j]
+def add_entries(rows, first_u, first_v, values, columns, row, offset, entries):
+    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, F): see ``MatrixSink``."""
+    for e in range(len(entries)):
+        for k in range(len(rows)):
+            # slices once, not all indices each time: what is added is short
+            low = offset + columns * first_u[k] + first_v[k]
+            into, part = entries[e, row + rows[k], low:], values[k, e]
+            for i in range(part.shape[0]):
+                for j in range(part.shape[1]):
+                    into[i * columns + j] += part[i, j]
