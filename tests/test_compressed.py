@@ -211,6 +211,10 @@ def test_storage_follows_the_size():
     assert storage_for(4001) == cb.Compressed()
     with pytest.raises(ValueError, match="1e-12 to 1e-2"):
         cb.Compressed(1.0)
+    body = Boundary(tuple(Patch(s, "body") for s in sphere())).elevated(2)
+    moving = {"body": cb.RigidMotion((1.0, 0.0, 0.0))}
+    with pytest.raises(ValueError, match="storage is 'dense'; give Dense"):
+        cb.StokesProblem(body, 1.0, moving, storage="dense").solve()
 
 
 def test_iteration_that_fails_says_so(monkeypatch):

@@ -14,7 +14,7 @@ import numpy as np
 from droplet_between_plates_2d import between_plates, draw_motion, flux_across
 
 import cadbem as cb
-from cadbem.operators.closed_field import signed_distance
+from cadbem.operators.closed_nearest import signed_distance
 from cadbem.post.plots import Curve, Plot, draw_plots
 
 STARTS = {"pass": ((0.0, 0.0), (-2.5, 1.0)), "swap": ((-1.25, 0.25), (1.25, -0.25))}

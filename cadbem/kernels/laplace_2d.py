@@ -14,10 +14,11 @@ The gradient of both layers with respect to x0:
 
 from __future__ import annotations
 
-from math import log, pi
+from math import pi
 
 from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Kernel
+from cadbem.kernels.logarithm import logarithm
 
 
 @compiled(fastmath=True, error_model="numpy")
@@ -32,7 +33,7 @@ def _potential(targets, starts, stops, columns, position, normal, table):
         for k in range(high - low):
             rx, ry = px[k] - x, py[k] - y
             square = rx * rx + ry * ry
-            single[k] = -0.5 * log(square)
+            single[k] = -0.5 * logarithm(square)
             double[k] = -(rx * nx[k] + ry * ny[k]) / square
 
 

@@ -16,51 +16,75 @@ and that of one of T·n is ∇h.
 
 from __future__ import annotations
 
-from math import log, pi
+from math import pi
+
+import numpy as np
 
 from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Kernel
+from cadbem.kernels.logarithm import logarithm
 from cadbem.kernels.stokes_sums import SUMS_2D
 
+TILE = 256  # sources at a time, so that what pairs share stays in the nearest cache
 
-@compiled(fastmath=True, error_model="numpy")
+
+@compiled(fastmath=True)
 def _velocity(targets, starts, stops, columns, position, normal, table):
+    r, inverse, log, stress = np.empty((2, TILE)), np.empty(TILE), np.empty(TILE), np.empty(TILE)
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]
-        low, high = starts[t], stops[t]
-        px, py = position[0, low:high], position[1, low:high]
-        nx, ny = normal[0, low:high], normal[1, low:high]
-        out = table[:, columns[t] : columns[t] + high - low]
-        for k in range(high - low):
-            rx, ry = px[k] - x, py[k] - y
-            inverse = 1.0 / (rx * rx + ry * ry)
-            logarithm = 0.5 * log(inverse)
-            xx, xy, yy = rx * rx * inverse, rx * ry * inverse, ry * ry * inverse
-            stress = -4.0 * (rx * nx[k] + ry * ny[k]) * inverse
-            out[0, k] = logarithm + xx
-            out[1, k] = xy
-            out[2, k] = logarithm + yy
-            out[3, k] = stress * xx
-            out[4, k] = stress * xy
-            out[5, k] = stress * yy
+        for low in range(starts[t], stops[t], TILE):
+            high = min(low + TILE, stops[t])
+            px, py = position[0, low:high], position[1, low:high]
+            nx, ny = normal[0, low:high], normal[1, low:high]
+            for k in range(high - low):
+                rx, ry = px[k] - x, py[k] - y
+                i = 1.0 / (rx * rx + ry * ry)
+                r[0, k], r[1, k] = rx, ry
+                inverse[k] = i
+                log[k] = 0.5 * logarithm(i)
+                stress[k] = -4.0 * (rx * nx[k] + ry * ny[k]) * i * i
+            first = columns[t] + low - starts[t]
+            last, entry = first + high - low, 0
+            for a in range(2):
+                for b in range(a, 2):
+                    delta = 1.0 if a == b else 0.0
+                    ra, rb = r[a], r[b]
+                    # plain loops over one entry each: the compiler makes vectors of them
+                    out = table[entry, first:last]
+                    for k in range(high - low):
+                        out[k] = delta * log[k] + ra[k] * rb[k] * inverse[k]
+                    out = table[entry + 3, first:last]
+                    for k in range(high - low):
+                        out[k] = ra[k] * rb[k] * stress[k]
+                    entry += 1
 
 
-@compiled(fastmath=True, error_model="numpy")
+@compiled(fastmath=True)
 def _pressure(targets, starts, stops, columns, position, normal, table):
+    r, inverse, stress = np.empty((2, TILE)), np.empty(TILE), np.empty(TILE)
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]
-        low, high = starts[t], stops[t]
-        px, py = position[0, low:high], position[1, low:high]
-        nx, ny = normal[0, low:high], normal[1, low:high]
-        out = table[:, columns[t] : columns[t] + high - low]
-        for k in range(high - low):
-            rx, ry = px[k] - x, py[k] - y
-            inverse = 1.0 / (rx * rx + ry * ry)
-            stress = 8.0 * (rx * nx[k] + ry * ny[k]) * inverse
-            out[0, k] = 2.0 * rx * inverse
-            out[1, k] = 2.0 * ry * inverse
-            out[2, k] = (stress * rx - 4.0 * nx[k]) * inverse
-            out[3, k] = (stress * ry - 4.0 * ny[k]) * inverse
+        for low in range(starts[t], stops[t], TILE):
+            high = min(low + TILE, stops[t])
+            px, py = position[0, low:high], position[1, low:high]
+            nx, ny = normal[0, low:high], normal[1, low:high]
+            for k in range(high - low):
+                rx, ry = px[k] - x, py[k] - y
+                i = 1.0 / (rx * rx + ry * ry)
+                r[0, k], r[1, k] = rx, ry
+                inverse[k] = i
+                stress[k] = 8.0 * (rx * nx[k] + ry * ny[k]) * i * i
+            first = columns[t] + low - starts[t]
+            last = first + high - low
+            for a in range(2):
+                ra, na = r[a], normal[a, low:high]
+                out = table[a, first:last]
+                for k in range(high - low):
+                    out[k] = 2.0 * ra[k] * inverse[k]
+                out = table[a + 2, first:last]
+                for k in range(high - low):
+                    out[k] = ra[k] * stress[k] - 4.0 * na[k] * inverse[k]
 
 
 STOKES_2D = Kernel(

@@ -10,10 +10,11 @@ sources for each target, arrays (dim, K, T).
 
 from __future__ import annotations
 
-from math import log, pi, sqrt
+from math import pi, sqrt
 
 from cadbem.compiled import compiled
 from cadbem.kernels.kernel import Sums
+from cadbem.kernels.logarithm import logarithm
 
 
 @compiled(fastmath=True, error_model="numpy", inline="always")
@@ -35,9 +36,9 @@ def _stresslet_3d(rx, ry, rz, ax, ay, az, ux, uy, uz):
 @compiled(fastmath=True, error_model="numpy", inline="always")
 def _stokeslet_2d(rx, ry, qx, qy):
     inverse = 1.0 / (rx * rx + ry * ry)
-    logarithm = 0.5 * log(inverse)
+    half = 0.5 * logarithm(inverse)
     along = (rx * qx + ry * qy) * inverse
-    return logarithm * qx + rx * along, logarithm * qy + ry * along
+    return half * qx + rx * along, half * qy + ry * along
 
 
 @compiled(fastmath=True, error_model="numpy", inline="always")

@@ -20,6 +20,7 @@ from cadbem.operators.compress import LEAF
 from cadbem.operators.compressed import CompressedMatrix
 from cadbem.operators.overlapping import Overlapping, overlapping
 
+COLUMNS = 24  # products at a time: each takes memory for all crosses
 GROUPS = 100  # clusters, at least, unless they were smaller than two leaves
 
 
@@ -51,7 +52,10 @@ def two_level(matrix: CompressedMatrix, positions: Array) -> TwoLevel:
     columns = np.zeros((components, len(group), components, count))
     for c in range(components):
         columns[c, np.arange(len(group)), c, group] = 1.0
-    made = matrix.apply(columns.reshape(components, len(group), -1))
+    columns = columns.reshape(components, len(group), -1)
+    starts = range(0, columns.shape[2], COLUMNS)
+    parts = [matrix.apply(columns[:, :, k : k + COLUMNS]) for k in starts]
+    made = np.concatenate(parts, axis=2)
     sums = np.zeros((components, count, made.shape[2]))
     for c in range(components):
         np.add.at(sums[c], group, made[c])

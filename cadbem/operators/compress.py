@@ -161,35 +161,42 @@ class _Builder:
         for t, s in self.partition[0]:
             below.setdefault(s, []).append(t)
         jobs = sorted(below.items(), key=lambda job: -len(job[1]))
-        made: list[list[tuple[Array, Array]]] = [[] for _ in jobs]
+        made: dict[int, tuple[Spread, list[Array]]] = {}
 
         def work(k: int, job: tuple[int, list[int]]) -> None:
-            s, near = job
-            levels = [self._level(t, s) for t in near]
-            seen = {level: self._seen(s, level) for level in set(levels)}
-            for t, level in zip(near, levels, strict=True):
-                at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
-                crosses = cross_approximation(seen[level], at, self.tolerance)
-                left, right = recompressed(*crosses, self.tolerance)
-                made[k].append((left.astype(self.dtype), right.astype(self.dtype)))
+            made[k] = self._crosses(*job)
 
         run_tasks(work, jobs, "far interactions")
-        spread: list[Spread] = []
         parts: dict[int, list[tuple[Array, Index]]] = {}
         first = 0
-        for (s, near), crosses in zip(jobs, made, strict=True):
-            spread.append(Spread(self.functions_of(s), np.concatenate([v for _, v in crosses])))
-            for t, (u, _) in zip(near, crosses, strict=True):
-                parts.setdefault(t, []).append((u, np.arange(first, first + len(u))))
-                first += len(u)
-            crosses.clear()
-        collect = []
-        for t in list(parts):
-            group = parts.pop(t)
-            here = slice(self.tree.start[t], self.tree.stop[t])
-            tables, crosses_of = zip(*group, strict=True)
-            collect.append(Collect(here, np.concatenate(tables), np.concatenate(crosses_of)))
-        return spread, collect
+        for k, (_, near) in enumerate(jobs):
+            for t, left in zip(near, made[k][1], strict=True):
+                parts.setdefault(t, []).append((left, np.arange(first, first + len(left))))
+                first += len(left)
+            made[k][1].clear()
+        # one cluster after the other, so that never everything is there twice
+        collect = [self._collected(t, parts.pop(t)) for t in list(parts)]
+        return [made[k][0] for k in range(len(jobs))], collect
+
+    def _crosses(self, s: int, near: list[int]) -> tuple[Spread, list[Array]]:
+        """Crosses of a cluster of panels with clusters of targets: their rows together, and one
+        table of columns a cluster of targets."""
+        levels = [self._level(t, s) for t in near]
+        seen = {level: self._seen(s, level) for level in set(levels)}
+        lefts, rights = [], []
+        for t, level in zip(near, levels, strict=True):
+            at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
+            crosses = cross_approximation(seen[level], at, self.tolerance)
+            left, right = recompressed(*crosses, self.tolerance)
+            lefts.append(left.astype(self.dtype))
+            rights.append(right.astype(self.dtype))
+        return Spread(self.functions_of(s), np.concatenate(rights)), lefts
+
+    def _collected(self, t: int, group: list[tuple[Array, Index]]) -> Collect:
+        """All crosses of a cluster of targets."""
+        tables, crosses = zip(*group, strict=True)
+        part = slice(self.tree.start[t], self.tree.stop[t])
+        return Collect(part, np.concatenate(tables), np.concatenate(crosses))
 
     @cached_property
     def _points(self) -> Sources:

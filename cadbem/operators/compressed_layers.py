@@ -122,8 +122,10 @@ def own_layers(
     kernel: Kernel, space: Space, quadrature: Rules, storage: Storage | None
 ) -> Layers | CompressedLayers:
     """Both layers of a space at its own collocation points; without a ``storage``, in the one that
-    suits their number."""
-    storage = storage or storage_for(space.count)
+    suits their number.  Raises ``ValueError`` for any other storage."""
+    storage = storage_for(space.count) if storage is None else storage
+    if not isinstance(storage, Storage):
+        raise ValueError(f"storage is {storage!r}; give Dense() or Compressed(tolerance)")
     if isinstance(storage, Compressed):
         return CompressedLayers(kernel, space, quadrature, storage.tolerance)
     return assemble_layers(kernel, space, collocation_targets(space), quadrature)

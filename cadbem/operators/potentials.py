@@ -1,22 +1,24 @@
 """Potentials of given densities at fixed targets, as often as densities change.
 
-What depends on geometry alone is found once: which panels are too close to a target for the lowest
-tensor rule, and what their functions give there instead.  An application then sums the kernel over
-all nodes and adds these corrections.
+What depends on geometry alone is found once: the tensor rule of each panel, which panels are too
+close to a target for it, and what their functions give there instead.  An application then sums the
+kernel over all nodes and adds these corrections.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Kernel, Sums
 from cadbem.operators.interactions import Targets, interact, mend
 from cadbem.operators.layers import Task, tasks
-from cadbem.operators.panels import Panels, tensor_nodes
+from cadbem.operators.orders import reaches
+from cadbem.operators.panels import Nodes, Panels, tensor_nodes
 from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import PotentialSink, Record
 from cadbem.quadrature import Rules
@@ -50,7 +52,7 @@ class Potentials:
                 here = self.targets.part(rows)
                 interact(self.kernel, panels, patch, here, self.quadrature, sink)
             else:
-                self._sum(self.kernel.sums, task, densities, sink.result)
+                self._sum(self.kernel.sums, self._parts[k], task, densities, sink.result)
                 records[k].replay(sink)
             results[patch][:, rows] = sink.result
 
@@ -78,19 +80,50 @@ class Potentials:
             run_tasks(work, self._tasks, "near fields")
         return records
 
-    def _sum(self, sums: Sums, task: Task, densities: Sequence[Array], out: Array) -> None:
-        """Add both layers' potentials (dim, T) by the lowest tensor rule on all panels."""
+    @cached_property
+    def _parts(self) -> list[list[_Part]]:
+        """For each task its panels by the order that all of its targets allow."""
+        return [list(self._by_order(*task)) for task in self._tasks]
+
+    def _by_order(self, _: int, panels: Panels, rows: slice) -> Iterator[_Part]:
+        degree = max(panels.surface.degrees)
+        orders = *self.quadrature.lower_orders(degree), self.quadrature.orders(degree)[0]
+        reach = reaches(panels, orders, self.quadrature)[:-1]
+        highest = panels.levels(self.targets.position[:, rows], reach).max(axis=0)
+        for k in np.unique(highest):
+            nodes = tensor_nodes(panels, orders[k])
+            chosen = np.repeat(highest == k, nodes.weight.shape[2])
+            position, normal = (np.ascontiguousarray(x[:, chosen]) for x in nodes.flat)
+            yield _Part(nodes, chosen, position, normal)
+
+    def _sum(
+        self,
+        sums: Sums,
+        parts: Sequence[_Part],
+        task: Task,
+        densities: Sequence[Array],
+        out: Array,
+    ) -> None:
+        """Add both layers' potentials (dim, T) by tensor rules on all panels."""
         _, panels, rows = task
         at = np.ascontiguousarray(self.targets.position[:, rows])
-        nodes = tensor_nodes(panels, self._lowest(panels))
-        position, normal = nodes.flat
-        total = np.zeros_like(at)
-        if densities[0].any():
-            sums.single(at, position, nodes.densities(panels, densities[0]), total)
-        if densities[1].any():
-            weighted = nodes.densities(panels, densities[1])
-            sums.double(at, np.zeros_like(at), position, normal, weighted, total)
-        out += total
+        for part in parts:
+            if densities[0].any():
+                sums.single(at, part.position, part.weighted(panels, densities[0]), out)
+            if densities[1].any():
+                weighted = part.weighted(panels, densities[1])
+                sums.double(at, np.zeros_like(at), part.position, part.normal, weighted, out)
 
-    def _lowest(self, panels: Panels) -> int:
-        return self.quadrature.orders(max(panels.surface.degrees))[0]
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    """Those ``nodes`` of a patch that are ``chosen``, at ``position``, with ``normal`` (dim, N)."""
+
+    nodes: Nodes
+    chosen: NDArray[np.bool_]
+    position: Array
+    normal: Array
+
+    def weighted(self, panels: Panels, density: Array) -> Array:
+        """Weighted values (components, N) of coefficients (components, n_u, n_v)."""
+        return np.ascontiguousarray(self.nodes.densities(panels, density)[:, self.chosen])

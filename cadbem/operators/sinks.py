@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
@@ -70,14 +70,30 @@ class Record:
         self.kept.append((rows, first_u, first_v, self.sign * values))
 
     @cached_property
-    def _together(self) -> list[Any]:
-        return [np.concatenate(parts) for parts in zip(*self.kept, strict=True)]
+    def _together(self) -> tuple[Index, Index, Index, Array] | None:
+        """All that is kept, summed: each function of a target once, as a pair with one function."""
+        if not self.kept:
+            return None
+        rows, first_u, first_v, values = (np.concatenate(x) for x in zip(*self.kept, strict=True))
+        entries, height, width = values.shape[1:]
+        spread = np.broadcast_arrays(
+            rows[:, None, None],
+            first_u[:, None, None] + np.arange(height)[:, None],
+            first_v[:, None, None] + np.arange(width),
+        )
+        places = np.stack([x.ravel() for x in spread])
+        shape = places.max(axis=1) + 1
+        self.kept.clear()
+        keys, place = np.unique(np.ravel_multi_index(tuple(places), shape), return_inverse=True)
+        sums = np.zeros((len(keys), entries))
+        np.add.at(sums, place, values.transpose(0, 2, 3, 1).reshape(-1, entries))
+        row, u, v = np.unravel_index(keys, shape)
+        return row, u, v, sums[:, :, None, None]
 
     def replay(self, sink: Sink) -> None:
         """Give everything to another sink; afterwards nothing can be added."""
-        if self.kept:
-            rows, first_u, first_v, values = self._together
-            sink.pairs(rows, first_u, first_v, values)
+        if self._together is not None:
+            sink.pairs(*self._together)
 
 
 @compiled(fastmath=True)
@@ -102,7 +118,7 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
 @compiled
 def add_entries(rows, first_u, first_v, values, columns, row, offset, entries):
     """Add values (pairs, entries, i, j) to ``entries`` (entries, T, F): see ``MatrixSink``."""
-    for e in range(len(entries)):
+    for e in range(len(entries)):  # outermost: what neighbouring panels share stays in cache
         for k in range(len(rows)):
             # slices once, not all indices each time: what is added is short
             low = offset + columns * first_u[k] + first_v[k]

@@ -44,7 +44,7 @@ def add_tensor(
     present = np.bincount(panel) > 0
     functions, places = nodes.weighted(panels, np.flatnonzero(present)), np.cumsum(present) - 1
     count = max(TABLE // width, 1)
-    table = np.empty((kernel.entries, count * width))
+    table = np.zeros((kernel.entries, count * width))  # the last columns may stay unused
     room = np.empty((count, kernel.entries, *shape))
     columns = width * np.arange(count)
     for low in range(0, len(panel), count):
