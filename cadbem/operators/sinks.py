@@ -87,7 +87,7 @@ class Record:
         keys, place = np.unique(np.ravel_multi_index(tuple(places), shape), return_inverse=True)
         sums = np.zeros((len(keys), entries))
         np.add.at(sums, place, values.transpose(0, 2, 3, 1).reshape(-1, entries))
-        row, u, v = np.unravel_index(keys, shape)
+        row, u, v = map(np.ascontiguousarray, np.unravel_index(keys, shape))
         return row, u, v, sums[:, :, None, None]
 
     def replay(self, sink: Sink) -> None:
