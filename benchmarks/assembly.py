@@ -14,7 +14,6 @@ import os
 import time
 import tracemalloc
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
@@ -25,8 +24,8 @@ from benchmarks.table import Table, show  # noqa: E402
 from cadbem.boundary import Boundary, Patch  # noqa: E402
 from cadbem.kernels.stokes_3d import STOKES_3D  # noqa: E402
 from cadbem.kernels.stokes_sums import SUMS_3D  # noqa: E402
-from cadbem.operators import layers  # noqa: E402
 from cadbem.operators.panels import split_patch  # noqa: E402
+from cadbem.operators.pool import CORES  # noqa: E402
 from cadbem.quadrature import Quadrature  # noqa: E402
 from cadbem.spline.shapes import box  # noqa: E402
 
@@ -55,13 +54,13 @@ def problem(elements: tuple[int, int], tolerance: float) -> cb.StokesProblem:
 
 def with_threads(count: int, task: Callable[[], object]) -> tuple[float, float]:
     """Wall and CPU seconds of a task whose integrals run on so many threads."""
-    pool, layers.ThreadPoolExecutor = ThreadPoolExecutor, lambda _: ThreadPoolExecutor(count)
+    before = CORES.set(count)
     try:
         wall, processor = time.perf_counter(), time.process_time()
         task()
         return time.perf_counter() - wall, time.process_time() - processor
     finally:
-        layers.ThreadPoolExecutor = pool
+        CORES.reset(before)
 
 
 def assembly_and_solution(elements: tuple[int, int], tolerance: float) -> tuple[float, ...]:

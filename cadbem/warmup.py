@@ -14,6 +14,7 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.compiled import quietly
 from cadbem.kernels.stokes_3d import STOKES_3D
 from cadbem.operators.layers import assemble_layers, collocation_targets
+from cadbem.operators.storage import Compressed, Storage
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
 from cadbem.problems.heat import HeatProblem
 from cadbem.problems.heat_conditions import HeatCondition, HeatFlux, Temperature
@@ -35,6 +36,7 @@ from cadbem.suspension.rigid_shapes import rigid_sphere
 from cadbem.suspension.simulation import Simulation
 
 Step = tuple[str, Callable[[], object]]
+FAR = 100  # elements along an edge from which some are far from each other
 
 
 def warm_up(progress: bool = True) -> str | None:
@@ -63,14 +65,15 @@ def _steps() -> Iterator[Step]:
     yield "bodies in a channel", _bodies
     yield "panels with poles", partial(_assemble, Quadrature())
     yield "the thesis's rules", partial(_assemble, UniformSubdivision())
+    yield "large systems", partial(_flow, 2, FAR, Compressed())
 
 
-def _block(dimension: int) -> Boundary:
-    """0 < x, y (, z) < 1, four elements a side: inlet, outlet, and walls."""
+def _block(dimension: int, elements: int = 2) -> Boundary:
+    """0 < x, y (, z) < 1, so many elements along each edge: inlet, outlet, and walls."""
     sides = box() if dimension == 3 else rectangle()
     names = ("inlet", "outlet", *["walls"] * (len(sides) - 2))
     patches = [Patch(s, n, i + 1) for i, (s, n) in enumerate(zip(sides, names, strict=True))]
-    return Boundary(tuple(patches)).elevated(2).refined(2)
+    return Boundary(tuple(patches)).elevated(2).refined(elements)
 
 
 def _points(dimension: int) -> np.ndarray:
@@ -78,17 +81,19 @@ def _points(dimension: int) -> np.ndarray:
     return np.array([[0.5, 0.5]] * (dimension - 1) + [[0.5, 1e-3]])
 
 
-def _channel(dimension: int) -> StokesProblem:
+def _channel(
+    dimension: int, elements: int = 2, storage: Storage | None = None
+) -> StokesProblem:
     conditions: dict[str, Condition] = {
         "inlet": Inflow(mean_velocity=1.0),
         "outlet": Pressure(0.0),
         "walls": NoSlip(),
     }
-    return StokesProblem(_block(dimension), 1.0, conditions)
+    return StokesProblem(_block(dimension, elements), 1.0, conditions, storage=storage)
 
 
-def _flow(dimension: int) -> None:
-    solution = _channel(dimension).solve()
+def _flow(dimension: int, elements: int = 2, storage: Storage | None = None) -> None:
+    solution = _channel(dimension, elements, storage).solve()
     solution.velocity_at(_points(dimension))
     solution.pressure_at(_points(dimension))
 
@@ -108,7 +113,9 @@ def _move(shape: ClosedSpline) -> None:
     """A droplet with another viscosity than its surroundings: single and double layer."""
     drop = Droplet(shape, SurfaceTension(1.0), viscosity_ratio=0.5)
     for state in Simulation(FreeFlow(shear(dimension=shape.dimension)), drop).run(1e-3):
-        state.velocity_at(np.full((shape.dimension, 1), 2.0))
+        points = np.zeros((shape.dimension, 2))
+        points[0] = 1.02, 3.0  # close to the surface, and away from it
+        state.velocity_at(points)
 
 
 def _bodies() -> None:

@@ -22,10 +22,10 @@ from cadbem.space import rational_basis
 def matrix(kernel, surface, targets, tolerance):
     """All entries (entries, T, F) of one patch."""
     panels = split_patch(surface)
-    entries = np.zeros((kernel.entries, targets.shape[1], *surface.weights.shape))
-    rules = Quadrature(tolerance)
-    interact(kernel, panels, 0, Targets.free(targets), rules, MatrixSink(entries))
-    return entries.reshape(*entries.shape[:2], -1)
+    entries = np.zeros((kernel.entries, targets.shape[1], surface.weights.size))
+    sink = MatrixSink(entries, surface.weights.shape[1])
+    interact(kernel, panels, 0, Targets.free(targets), Quadrature(tolerance), sink)
+    return entries
 
 
 def directions(count):
@@ -68,16 +68,17 @@ def test_far_rule_is_the_sum_over_its_nodes():
     surface = unit_square()
     targets = directions(150) * 20.0
     panels = split_patch(surface)
-    entries = np.zeros((2, 150, *surface.weights.shape))
+    entries = np.zeros((2, 150, surface.weights.size))
     pairs = by_blocks(np.ones((150, 1), dtype=bool))
-    add_tensor(LAPLACE_3D, panels, 5, targets, *pairs, MatrixSink(entries))
+    sink = MatrixSink(entries, surface.weights.shape[1])
+    add_tensor(LAPLACE_3D, panels, 5, targets, *pairs, sink)
     t, w = gauss_unit(5)
     u, v = (g.ravel() for g in np.meshgrid(t, t, indexing="ij"))
     points = surface_points(surface, u, v)
     functions = np.asarray(rational_basis(surface, np.stack([u, v])).todense())
     weighted = (np.outer(w, w).ravel() * points.jacobian)[:, None] * functions
     distance = np.linalg.norm(points.position[:, None] - targets[:, :, None], axis=0)
-    assert entries[0].reshape(150, -1) == pytest.approx((1 / distance) @ weighted, rel=1e-13)
+    assert entries[0] == pytest.approx((1 / distance) @ weighted, rel=1e-13)
 
 
 def test_orders_grow_towards_the_panel():
@@ -108,11 +109,11 @@ def test_chosen_pairs_are_the_same_pairs():
     surface = quarter_cylinder().elevated((2, 2))
     targets = Targets.free(directions(40) * np.geomspace(1.2, 30.0, 40) + 0.5)
     panels = split_patch(surface)
-    shape = (12, 40, *surface.weights.shape)
-    whole, parts = np.zeros(shape), np.zeros(shape)
+    count, columns = surface.weights.size, surface.weights.shape[1]
+    whole, parts = (MatrixSink(np.zeros((12, 40, count)), columns) for _ in range(2))
     rules = Quadrature(1e-8)
-    interact(STOKES_3D, panels, 0, targets, rules, MatrixSink(whole))
+    interact(STOKES_3D, panels, 0, targets, rules, whole)
     grid = np.indices((40, len(panels.flat_nets))).reshape(2, -1)
     target, panel = grid[:, np.random.default_rng(0).permutation(grid.shape[1])]
-    interact_pairs(STOKES_3D, panels, 0, targets, (target, panel), rules, MatrixSink(parts))
-    assert parts == pytest.approx(whole, rel=1e-12, abs=1e-14)
+    interact_pairs(STOKES_3D, panels, 0, targets, (target, panel), rules, parts)
+    assert parts.entries == pytest.approx(whole.entries, rel=1e-12, abs=1e-14)

@@ -7,9 +7,7 @@ need are interpolated by splines on the grid, which is finer than the collocatio
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -19,6 +17,7 @@ from cadbem.closed_points import ClosedGrid, ClosedPoints, collocation_grid
 from cadbem.kernels.kernel import Sums
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.gather import NearTable
+from cadbem.operators.pool import in_shares
 from cadbem.quadrature.closed import (
     ClosedRule,
     NearNodes,
@@ -137,13 +136,9 @@ class ClosedOperator:
 
     def by_rows(self, task: Callable, items: Sequence) -> list:
         """Results of a task for each row of targets, on all cores if that pays."""
-        cores = os.cpu_count() or 1
-        if self.basis.count < THREADS_FROM or cores == 1:
+        if self.basis.count < THREADS_FROM:
             return [task(item) for item in items]
-        with ThreadPoolExecutor(cores) as pool:
-            shares = pool.map(lambda k: [task(item) for item in items[k::cores]], range(cores))
-            mixed = list(shares)
-        return [mixed[i % cores][i // cores] for i in range(len(items))]
+        return in_shares(task, items)
 
 
 @lru_cache(maxsize=16)

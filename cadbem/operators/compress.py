@@ -13,10 +13,10 @@ from cadbem.operators.clusters import Pairs, Tree, cluster, partition
 from cadbem.operators.compressed import Collect, CompressedMatrix, Spread
 from cadbem.operators.cross import MixedKernel, Seen, cross_approximation, recompressed
 from cadbem.operators.interactions import Targets, interact_pairs
-from cadbem.operators.layers import run_tasks
 from cadbem.operators.near_blocks import NearBlocks, NearSink
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import split_patch
+from cadbem.operators.pool import run_tasks
 from cadbem.operators.sources import PanelList, Sources, sources
 from cadbem.quadrature import Rules
 from cadbem.space import Space

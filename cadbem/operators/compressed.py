@@ -7,12 +7,9 @@ as accurate as in the dense matrix.
 
 from __future__ import annotations
 
-import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 
@@ -20,10 +17,8 @@ from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.clusters import Tree
 from cadbem.operators.cross import MixedKernel
 from cadbem.operators.near_blocks import NearBlocks
+from cadbem.operators.pool import in_shares
 from cadbem.operators.products import times, transposed_times
-
-Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +90,3 @@ class CompressedMatrix:
         """The part of the targets, in the tree's order, of each leaf."""
         start, stop = self.tree.start, self.tree.stop
         return [slice(start[c], stop[c]) for c in self.tree.leaves]
-
-
-def in_shares(task: Callable[[Item], Result], items: Sequence[Item]) -> list[Result]:
-    """Results of a task for each item, on all cores."""
-    cores = os.cpu_count() or 1
-    with ThreadPoolExecutor(cores) as pool:
-        shares = list(pool.map(lambda k: [task(i) for i in items[k::cores]], range(cores)))
-    return [shares[i % cores][i // cores] for i in range(len(items))]

@@ -19,9 +19,9 @@ from cadbem.operators.layers import (
     assemble_patch,
     collocation_targets,
     mixed_columns,
-    run_tasks,
     tasks,
 )
+from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import PotentialSink
 from cadbem.operators.solve import Border
 from cadbem.operators.storage import Compressed, Storage, storage_for
@@ -60,10 +60,14 @@ class CompressedLayers:
         def work(_: int, task: tuple) -> None:
             patch, panels, rows = task
             shape, part = panels.surface.weights.shape, self.space.functions(patch)
-            densities = [d[:, part].reshape(-1, *shape) for d in (single, double)]
+            densities = [
+                np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
+            ]
             layouts = self.kernel.single, self.kernel.double
-            sink = PotentialSink(results[patch][:, rows], layouts, densities)
+            result = np.zeros((self.kernel.rows, rows.stop - rows.start))
+            sink = PotentialSink(result, layouts, densities)
             interact(self.kernel, panels, patch, targets.part(rows), self.quadrature, sink)
+            results[patch][:, rows] = result
 
         run_tasks(work, active, "boundary integrals")
         return results.sum(axis=0)

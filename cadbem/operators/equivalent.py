@@ -65,17 +65,18 @@ class Sources:
     def add_to(self, targets: Array, out: Array) -> None:
         """Add Σ G q + Σ u·T·a at targets (dim, M) to ``out`` (dim, M)."""
         sums = stokes_sums(len(self.position))
+        targets, position = map(np.ascontiguousarray, (targets, self.position))
         if self.single is not None:
-            sums.single(targets, self.position, self.single, out)
+            sums.single(targets, position, np.ascontiguousarray(self.single), out)
         if self.double is not None:
-            zero = np.zeros_like(targets)
-            sums.double(targets, zero, self.position, self.area, self.double, out)
+            area, double = map(np.ascontiguousarray, (self.area, self.double))
+            sums.double(targets, np.zeros_like(targets), position, area, double, out)
 
     def seen_in(self, ball: Ball) -> Sources:
         """In units of a ball's radius R, in which equivalent Stokeslets are the same: G q loses a
         factor 1 / R (or a constant log R q in 2D), T one more, which the area vectors take."""
         area = None if self.area is None else self.area / ball.radius
-        return replace(self, position=np.ascontiguousarray(ball.unit(self.position)), area=area)
+        return replace(self, position=ball.unit(self.position), area=area)
 
     @property
     def flux(self) -> float:

@@ -9,26 +9,22 @@ nearest of all, a body must be asked itself.
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Iterable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Index
 from cadbem.operators.equivalent import Ball, Expansion, Sources, ball_around, point_sources
+from cadbem.operators.pool import in_shares
 from cadbem.spline.basis import Array
 
 CLOUD = 128  # points of a cloud, at most
 NEAR, OWN = -1, -2
 
 Flags = NDArray[np.bool_]
-Item = TypeVar("Item")
-Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,15 +47,6 @@ def clouds_of(points: Array, first: int = 0) -> list[Cloud]:
         elif len(part):
             done.append(Cloud(first + part))
     return done
-
-
-def in_turns(task: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
-    """Results of a task for each item, on all cores."""
-    todo = list(items)
-    if len(todo) < 2:
-        return [task(item) for item in todo]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return list(pool.map(task, todo))
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,11 +73,11 @@ class Exchange:
         if not present.any():
             return out
         sent = self._send(sources, present)
-        received = in_turns(lambda j: self._receive(j, sent), range(len(self.clouds)))
+        received = in_shares(lambda j: self._receive(j, sent), range(len(self.clouds)))
         for cloud, part in zip(self.clouds, received, strict=True):
             out[:, cloud.numbers] = part
         parted = [i for i in np.nonzero(present)[0].tolist() if len(self._parts[i][1])]
-        parts = in_turns(lambda i: self._at(self._parts[i][1], sent.of(0, [i])), parted)
+        parts = in_shares(lambda i: self._at(self._parts[i][1], sent.of(0, [i])), parted)
         for i, part in zip(parted, parts, strict=True):
             out[:, self._parts[i][1]] += part
         return out
@@ -107,7 +94,7 @@ class Exchange:
         numbers = np.nonzero(present)[0].tolist()
         fluxes = np.zeros(len(present))
         made = [np.zeros_like(p) for p in self._places]
-        for i, (parts, flux) in zip(numbers, in_turns(strengths, numbers), strict=True):
+        for i, (parts, flux) in zip(numbers, in_shares(strengths, numbers), strict=True):
             fluxes[i] = flux
             for all_bodies, part in zip(made, parts, strict=True):
                 all_bodies[:, i] = part
@@ -127,13 +114,13 @@ class Exchange:
             if len(which) * few * few + many * count > len(which) * few * count:
                 total += self._at(cloud.numbers, arriving)
                 continue
-            felt = _sum(np.ascontiguousarray(ball.world(expansion.inner)), arriving)
+            felt = _sum(ball.world(expansion.inner), arriving)
             handed = Sources(expansion.outer, expansion.incoming(felt))
             total += _sum(ball.unit(self.points[:, cloud.numbers]), [handed])
         return total
 
     def _at(self, numbers: Index, sources: list[Sources]) -> Array:
-        return _sum(np.ascontiguousarray(self.points[:, numbers]), sources)
+        return _sum(self.points[:, numbers], sources)
 
     @cached_property
     def _around(self) -> list[Ball]:
@@ -215,7 +202,7 @@ class _Sent:
 
 
 def _sum(targets: Array, sources: list[Sources]) -> Array:
-    total = np.zeros_like(targets)
+    total = np.zeros(targets.shape)
     for part in sources:
         part.add_to(targets, total)
     return total

@@ -3,20 +3,15 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from functools import lru_cache
 from itertools import product
-from typing import TypeVar
 
 import numpy as np
-from threadpoolctl import ThreadpoolController
-from tqdm import tqdm
 
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.interactions import Targets, interact
 from cadbem.operators.panels import Panels, split_patch
+from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import MatrixSink
 from cadbem.quadrature import Rules
 from cadbem.space import Space
@@ -26,7 +21,6 @@ TARGET_CHUNKS = 256, 2048  # targets a task, at least and at most
 SHARES = 2  # tasks of each patch for each core
 
 Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
-Job = TypeVar("Job")
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,9 +85,8 @@ def assemble_layers(kernel: Kernel, space: Space, targets: Targets, quadrature: 
 
     def work(_: int, task: Task) -> None:
         patch, panels, rows = task
-        shape = panels.surface.weights.shape
-        part = entries[:, rows, space.functions(patch)]
-        sink = MatrixSink(part.reshape(*part.shape[:2], *shape, copy=False))
+        columns, offset = panels.surface.weights.shape[1], space.functions(patch).start
+        sink = MatrixSink(entries, columns, rows.start, offset)
         interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
 
     run_tasks(work, tasks(space, targets.count), "boundary integrals")
@@ -106,16 +99,16 @@ def assemble_patch(
     """Entries (entries, T, n) of both layers of one patch."""
     whole = tasks(space, targets.count)
     jobs = [job for job in whole if job[0] == patch]
-    shape = jobs[0][1].surface.weights.shape
-    entries = np.zeros((kernel.entries, targets.count, *shape))
+    count = jobs[0][1].surface.weights.size
+    entries = np.zeros((kernel.entries, targets.count, count))
 
     def work(_: int, task: Task) -> None:
         _, panels, rows = task
-        sink = MatrixSink(entries[:, rows])
+        sink = MatrixSink(entries, panels.surface.weights.shape[1], rows.start)
         interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
 
     run_tasks(work, jobs, "boundary integrals")
-    return entries.reshape(*entries.shape[:2], -1)
+    return entries
 
 
 def tasks(space: Space, count: int) -> list[Task]:
@@ -125,21 +118,3 @@ def tasks(space: Space, count: int) -> list[Task]:
     chunks = [slice(k, min(k + chunk, count)) for k in range(0, count, chunk)]
     jobs = [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
     return sorted(jobs, key=lambda job: -len(job[1].flat_nets) * (job[2].stop - job[2].start))
-
-
-@lru_cache(maxsize=1)
-def _libraries() -> ThreadpoolController:
-    """What controls the threads of linear algebra; finding the libraries takes a while."""
-    return ThreadpoolController()
-
-
-def run_tasks(work: Callable[[int, Job], None], jobs: Sequence[Job], label: str) -> None:
-    """Do ``work(number, task)`` on all cores; what tasks write does not overlap."""
-    with _libraries().limit(limits=1), ThreadPoolExecutor(os.cpu_count()) as pool:
-        futures = [pool.submit(work, k, job) for k, job in enumerate(jobs)]
-        try:
-            for future in tqdm(futures, desc=label, delay=2.0, leave=False, disable=None):
-                future.result()
-        except BaseException:
-            pool.shutdown(wait=False, cancel_futures=True)
-            raise

@@ -14,8 +14,9 @@ from scipy.linalg import lu_factor, lu_solve
 from scipy.spatial import cKDTree
 
 from cadbem.kernels.kernel import Array, Index
-from cadbem.operators.compressed import CompressedMatrix, in_shares
+from cadbem.operators.compressed import CompressedMatrix
 from cadbem.operators.near_blocks import NearBlocks
+from cadbem.operators.pool import in_shares
 
 OVERLAP = 3.0  # spacings of points by which clusters reach into their neighbours
 

@@ -57,7 +57,7 @@ class Panels:
         )
         return u[:, None, :, None], v[None, :, None, :]
 
-    @property
+    @cached_property
     def controls(self) -> Array:
         """Their weights: (P_u, P_v, i, j)."""
         return self.surface.weights[self.functions]
@@ -218,6 +218,15 @@ class Nodes:
             np.ascontiguousarray(self.position.reshape(len(self.position), -1)),
             np.ascontiguousarray(self.normal.reshape(len(self.normal), -1)),
         )
+
+    def weighted(self, panels: Panels, chosen: Index) -> Array:
+        """Weighted functions of n ``chosen`` panels at their nodes: (n, N, functions)."""
+        grid = np.divmod(chosen, panels.shape[1])
+        u, v = (f[k] for f, k in zip(self.functions, grid, strict=True))
+        values = u[:, :, None, :, None] * v[:, None, :, None, :]
+        values *= panels.controls[grid][:, None, None]
+        values *= self.weight[grid].reshape(*values.shape[:3], 1, 1)
+        return values.reshape(len(chosen), self.weight.shape[2], -1)
 
     def densities(self, panels: Panels, density: Array) -> Array:
         """Weighted values (components, nodes) of coefficients (components, n_u, n_v)."""

@@ -16,9 +16,10 @@ from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Kernel, Sums
 from cadbem.operators.interactions import Targets, interact, mend
-from cadbem.operators.layers import Task, run_tasks, tasks
+from cadbem.operators.layers import Task, tasks
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
+from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import PotentialSink, Record
 from cadbem.quadrature import Rules
 from cadbem.space import Space

@@ -24,12 +24,17 @@ class Sink(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class MatrixSink:
-    """Adds to ``entries`` (entries, T, n_u, n_v), the kernel's matrix of one patch."""
+    """Adds to ``entries`` (entries, T, F), a kernel's matrix: from target ``row`` on, and from the
+    number ``offset`` on the functions of a patch, of which ``columns`` make a row of its net."""
 
     entries: Array
+    columns: int
+    row: int = 0
+    offset: int = 0
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
-        add_entries(rows, first_u, first_v, values, self.entries)
+        place = self.columns, self.row, self.offset
+        add_entries(rows, first_u, first_v, values, *place, self.entries)
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +87,7 @@ class Record:
         keys, place = np.unique(np.ravel_multi_index(tuple(places), shape), return_inverse=True)
         sums = np.zeros((len(keys), entries))
         np.add.at(sums, place, values.transpose(0, 2, 3, 1).reshape(-1, entries))
-        row, u, v = np.unravel_index(keys, shape)
+        row, u, v = map(np.ascontiguousarray, np.unravel_index(keys, shape))
         return row, u, v, sums[:, :, None, None]
 
     def replay(self, sink: Sink) -> None:
@@ -111,13 +116,13 @@ def add_pairs(rows, first_u, first_v, values, layout, density, result):
 
 
 @compiled
-def add_entries(rows, first_u, first_v, values, entries):
-    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, n_u, n_v)."""
-    height, width = values.shape[2:]
+def add_entries(rows, first_u, first_v, values, columns, row, offset, entries):
+    """Add values (pairs, entries, i, j) to ``entries`` (entries, T, F): see ``MatrixSink``."""
     for e in range(len(entries)):  # outermost: what neighbouring panels share stays in cache
         for k in range(len(rows)):
-            u, v = first_u[k], first_v[k]
-            into, part = entries[e, rows[k], u : u + height, v : v + width], values[k, e]
-            for i in range(height):
-                for j in range(width):
-                    into[i, j] += part[i, j]
+            # slices once, not all indices each time: what is added is short
+            low = offset + columns * first_u[k] + first_v[k]
+            into, part = entries[e, row + rows[k], low:], values[k, e]
+            for i in range(part.shape[0]):
+                for j in range(part.shape[1]):
+                    into[i * columns + j] += part[i, j]

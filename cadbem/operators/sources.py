@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Array, Index
-from cadbem.operators.panels import Nodes, Panels, tensor_nodes
+from cadbem.operators.panels import Panels, tensor_nodes
 from cadbem.space import Space
 
 
@@ -83,7 +83,10 @@ class Sources:
 def sources(panels: PanelList, orders: tuple[int, ...]) -> Sources:
     """Nodes of the rule with ``orders[i]`` on the panels of patch i."""
     nodes = [tensor_nodes(p, order) for p, order in zip(panels.panels, orders, strict=True)]
-    tables = [_weighted(p, n) for p, n in zip(panels.panels, nodes, strict=True)]
+    tables = [
+        n.weighted(p, np.arange(len(p.flat_nets))).swapaxes(1, 2)
+        for p, n in zip(panels.panels, nodes, strict=True)
+    ]
     pairs = list(zip(panels.patch, panels.number, strict=True))
     dim = panels.space.boundary.dimension
     position = [n.position.reshape(dim, len(t), -1) for n, t in zip(nodes, tables, strict=True)]
@@ -97,17 +100,6 @@ def sources(panels: PanelList, orders: tuple[int, ...]) -> Sources:
         basis,
         basis_first,
     )
-
-
-def _weighted(panels: Panels, nodes: Nodes) -> Array:
-    """Weighted functions (E, functions, nodes) of each panel of a patch."""
-    along_u, along_v = nodes.functions
-    u = panels.first[0][:, None] + np.arange(along_u.shape[2])
-    v = panels.first[1][:, None] + np.arange(along_v.shape[2])
-    control = panels.surface.weights[u[:, None, :, None], v[None, :, None, :]]
-    weight = nodes.weight.reshape(*panels.shape, along_u.shape[1], along_v.shape[1])
-    table = np.einsum("aki,blj,abkl,abij->abijkl", along_u, along_v, weight, control, optimize=True)
-    return table.reshape(len(panels.flat_nets), along_u.shape[2] * along_v.shape[2], -1)
 
 
 def _functions(panels: Panels, offset: int) -> Index:

@@ -18,7 +18,8 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.equivalent import FarField, ball_around
-from cadbem.operators.exchange import Cloud, Exchange, clouds_of, in_turns
+from cadbem.operators.exchange import Cloud, Exchange, clouds_of
+from cadbem.operators.pool import in_shares
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import NOTHING, Densities, Equation, Placed, Push, Seen
 from cadbem.suspension.closeness import Contact, StopAtGap, push
@@ -78,7 +79,7 @@ class View:
         active = [j for j in sources if densities[j] is not NOTHING]
         total = self.exchange.apply(active, lambda j: self.bodies[j].sources(densities[j]))
         total /= 2 * stokes_sums(len(total)).free_term
-        close = in_turns(lambda j: self._seen[j].velocity(densities[j]), active)
+        close = in_shares(lambda j: self._seen[j].velocity(densities[j]), active)
         for j, part in zip(active, close, strict=True):
             total[:, self.exchange.near(j)] += part
         return total
@@ -234,7 +235,7 @@ class _System:
             unknowns[i] = np.ascontiguousarray(w)
         felt = self._felt(unknowns, self._coupled)
         active = [self.equations[i] for i in self._coupled]
-        own = in_turns(lambda pair: pair[0].apply(pair[1]), zip(active, values, strict=True))
+        own = in_shares(lambda pair: pair[0].apply(pair[1]), zip(active, values, strict=True))
         return [w - e.answer(v) for e, w, v in zip(active, own, felt, strict=True)]
 
     def _iterate(self, rights: Sequence[Array]) -> tuple[list[Array], int]:

@@ -1,0 +1,76 @@
+"""Tasks on all cores."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from contextvars import ContextVar
+from functools import lru_cache
+from typing import Any, TypeVar
+
+from threadpoolctl import ThreadpoolController
+from tqdm import tqdm
+
+Item = TypeVar("Item")
+Result = TypeVar("Result")
+
+# how many cores the tasks of the running thread may use
+CORES = ContextVar("CORES", default=os.cpu_count() or 1)
+
+
+def in_shares(task: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
+    """Results of a task for each item, on all cores, with linear algebra on one thread each.
+
+    A task may come here itself: then it has its share of the cores, and if that is one, no other
+    threads.  After an exception no item is begun any more.
+    """
+    todo = list(items)
+    workers = min(CORES.get(), len(todo))
+    if workers < 2:
+        return [task(item) for item in todo]
+    results: list[Any] = [None] * len(todo)
+    numbers = iter(range(len(todo)))  # all workers take from it
+
+    def work() -> None:
+        try:
+            for number in numbers:
+                results[number] = task(todo[number])
+        finally:
+            _exhaust(numbers)
+
+    share = -(-CORES.get() // workers)
+    with (
+        _libraries().limit(limits=1),
+        ThreadPoolExecutor(workers, initializer=CORES.set, initargs=(share,)) as pool,
+    ):
+        futures = [pool.submit(work) for _ in range(workers)]
+        try:
+            for future in futures:
+                future.result()
+        finally:
+            _exhaust(numbers)
+    return results
+
+
+def run_tasks(work: Callable[[int, Item], object], jobs: Sequence[Item], label: str) -> None:
+    """Do ``work(number, job)`` on all cores, with a bar; what jobs write does not overlap."""
+    with tqdm(total=len(jobs), desc=label, delay=2.0, leave=False, disable=None) as bar:
+
+        def task(pair: tuple[int, Item]) -> None:
+            work(*pair)
+            with bar.get_lock():
+                bar.update()
+
+        in_shares(task, enumerate(jobs))
+
+
+def _exhaust(numbers: Iterable[int]) -> None:
+    for _ in numbers:
+        pass
+
+
+@lru_cache(maxsize=1)
+def _libraries() -> ThreadpoolController:
+    """What controls the threads of linear algebra; finding the libraries takes a while."""
+    return ThreadpoolController()
