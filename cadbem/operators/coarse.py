@@ -14,6 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from tqdm import tqdm
 
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.clusters import Tree
@@ -52,7 +53,8 @@ def two_level(matrix: CompressedMatrix, positions: Array) -> TwoLevel:
     count, size = int(group.max()) + 1, len(group)
     made = np.empty((components * size, components * count), dtype=np.float32)
     sums = np.zeros((components * count, components * count))
-    for low in range(0, components * count, COLUMNS):
+    starts = range(0, components * count, COLUMNS)
+    for low in tqdm(starts, desc="preconditioner", delay=2.0, leave=False, disable=None):
         high = min(low + COLUMNS, components * count)
         columns = np.zeros((components, size, high - low))
         for k in range(low, high):
