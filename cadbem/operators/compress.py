@@ -21,7 +21,8 @@ from cadbem.operators.sources import PanelList, Sources, sources
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 
-LEAF = 64  # targets, or panels, in the smallest clusters
+LEAF = 64  # targets in the smallest clusters, at most
+LEAST_PANELS = 16  # in the smallest clusters, at least
 SEPARATION = 0.5  # least gap between far clusters over the larger radius
 LOWER = 3  # lower Gauss orders for panels farther away
 POINTS = 2  # Gauss points a direction of a panel, for crosses
@@ -69,8 +70,10 @@ class _Builder:
 
     @cached_property
     def panel_tree(self) -> Tree:
-        """Clusters of panels."""
-        return cluster(*self.unordered.balls(), LEAF)
+        """Clusters of panels, as many as of targets: then those of one place are alike."""
+        count = len(self.unordered.patch)
+        leaf = max(-(-LEAF * count // self.targets.count), LEAST_PANELS)
+        return cluster(*self.unordered.balls(), leaf)
 
     @cached_property
     def panels(self) -> PanelList:
