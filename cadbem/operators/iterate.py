@@ -48,13 +48,16 @@ class Iteration:
     @cached_property
     def _weights(self) -> Array:
         """Factors (k,) of the constraints, which give each the weight of all equations."""
-        norms = np.sqrt(((self.border.rows * self.scale) ** 2).sum(axis=(1, 2)))
+        norms = np.linalg.norm(self._scaled, axis=1)
         return np.sqrt(self.scale.size) / np.maximum(norms, 1e-300)
 
     @cached_property
+    def _scaled(self) -> Array:
+        return (self.border.rows * self.scale).reshape(-1, self.scale.size)
+
+    @cached_property
     def _rows(self) -> Array:
-        rows = self.border.rows * self.scale * self._weights[:, None, None]
-        return rows.reshape(len(rows), self.scale.size)
+        return self._scaled * self._weights[:, None]
 
     @cached_property
     def _fields(self) -> Array:

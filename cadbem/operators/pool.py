@@ -15,8 +15,11 @@ from tqdm import tqdm
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# how many cores the tasks of the running thread may use
-CORES = ContextVar("CORES", default=os.cpu_count() or 1)
+
+# cores that this process may use, where the system tells
+ALLOWED = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+# how many of them the tasks of the running thread may use
+CORES = ContextVar("CORES", default=ALLOWED)
 
 
 def in_shares(task: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
