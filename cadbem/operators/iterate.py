@@ -7,13 +7,13 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gcrotmk
-from tqdm import tqdm
 
 from cadbem.errors import SolverError
 from cadbem.kernels.kernel import Array
 from cadbem.operators.coarse import TwoLevel
 from cadbem.operators.compressed import CompressedMatrix
 from cadbem.operators.solve import Border, Solved
+from cadbem.progress import progress
 
 INNER, KEPT, OUTER = 150, 10, 4  # iterations between restarts, directions kept, restarts
 
@@ -93,7 +93,7 @@ class Iteration:
     def _solve(self, right: Array, constraints: Array) -> Solved:
         whole = np.concatenate([right.ravel(), self._weights * constraints])
         iterations = 0
-        with tqdm(desc="iterations", delay=2.0, leave=False, disable=None) as bar:
+        with progress(label="iterations") as bar:
 
             def apply(values: Array) -> Array:
                 nonlocal iterations

@@ -8,10 +8,10 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.equivalent import FarField
+from cadbem.progress import progress
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import Body, Placed
@@ -95,8 +95,7 @@ class Simulation:
             yield [self.start], since
         now = since.state.time
         wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
-        bar = tqdm(total=end, initial=now, desc="time", delay=2.0, leave=False, disable=None)
-        with bar:
+        with progress(label="time", total=end, initial=now) as bar:
             for before, after in self._march(since, end):
                 state, kept = after.state, []
                 bar.update(max(state.time - bar.n, 0.0))
