@@ -47,15 +47,6 @@ def test_moving_sphere(tmp_path, capsys):
     assert {p.name for p in tmp_path.iterdir()} == {"speed.png"}
 
 
-def test_results_are_never_overwritten(tmp_path):
-    first = cb.fresh_folder(tmp_path / "run")
-    (first / "kept").write_text("kept")
-    assert cb.fresh_folder(tmp_path / "run").name == "run-2"
-    (tmp_path / "file").write_text("")
-    with pytest.raises(cb.CadbemError, match="no folder for results"):
-        cb.fresh_folder(tmp_path / "file" / "run")
-
-
 def test_wrong_options_are_told_in_one_line(capsys):
     with pytest.raises(SystemExit) as end:
         cb.run(square_channel.main, ["--span", "x"])
