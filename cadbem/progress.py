@@ -33,6 +33,11 @@ def notice(text: str) -> None:
         tqdm.write(text, file=sys.stderr)
 
 
+def verbose() -> bool:
+    """Whether the user asked for stages and tracebacks."""
+    return STAGES.isEnabledFor(logging.INFO)
+
+
 @contextmanager
 def stage(label: str) -> Iterator[None]:
     """Log how long something took, for those who want to know (``cadbem run --verbose``)."""

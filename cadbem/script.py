@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import argparse
 import inspect
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from cadbem.errors import CadbemError
+from cadbem.progress import verbose
 
 USER_MISTAKE, INTERRUPTED = 2, 130
 
@@ -32,7 +32,7 @@ def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
         values = vars(parser.parse_args(arguments))
         return main(**values)
     except CadbemError as error:
-        if "--verbose" in sys.orig_argv or "-v" in sys.orig_argv:
+        if verbose():
             raise
         parser.exit(USER_MISTAKE, f"cadbem: {' '.join(str(error).split())}\n")
     except KeyboardInterrupt:

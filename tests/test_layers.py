@@ -17,7 +17,9 @@ FLOORS = (
     {"post", "warmup"},
     {"results"},
     {"sweep"},
-    {"script", "cli", "__init__", "__main__"},
+    {"script", "__init__"},
+    {"cli"},
+    {"__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}
