@@ -26,6 +26,10 @@ LETTER = 0.56  # mean width of a letter over its height
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
 
 
+# pale ones for the faces of one name, so that one sees where each ends
+TINTS = ("#f3e3bd", "#cfe3f1", "#f6d2c1", "#cdebdd", "#f1dbe8", "#e3dcef", "#dfe8c4", "#ead9cf")
+
+
 def colours_of(names: Sequence[str]) -> dict[str, str]:
     """A colour for each name: walls grey, patches without a name pale, ports in strong colours."""
     colours = {name: WALL for name in names if name.startswith("wall")}
