@@ -62,6 +62,17 @@ def add_legend(figure: Any, handles: Sequence[Any]) -> None:
         figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
 
 
+def add_colour_bar(
+    figure: Any, axes: Sequence[Any], limits: tuple[float, float], label: str, colours: Any
+) -> None:
+    """A colour bar below everything."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    shown = ScalarMappable(Normalize(*limits), colours)
+    figure.colorbar(shown, ax=axes, label=label, location="bottom", shrink=0.6, aspect=40)
+
+
 def add_plane_channel(axes: Any, channel: Boundary) -> None:
     """A plane channel: walls as lines, openings tinted and named."""
     names = opening_names(channel)
