@@ -36,6 +36,7 @@ from cadbem.spline.basis import Array
 
 AXES_ROOM = (0.12, 0.0)  # share of a panel kept free for the axes and at the top
 
+
 def draw_slices(
     grid: Any, boundary: Boundary, path: str | Path, *, sections: int = 7, size: Size = (1800, 1300)
 ) -> Path:
