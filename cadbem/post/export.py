@@ -22,6 +22,8 @@ def write_vtu(path: str | Path, grid: Any) -> Path:
     if target.suffix != ".vtu":
         raise CadbemError(f"{target}: a grid is written to a file that ends in .vtu")
     grid.save(target)
+    if not target.exists():  # VTK complains on stderr only, and takes away what it could not finish
+        raise CadbemError(f"{target}: cannot be written; is the disk full?")
     return target
 
 
