@@ -7,7 +7,7 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
     {"errors", "progress"},
-    {"compiled"},
+    {"compiled", "files"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},

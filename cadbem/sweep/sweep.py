@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from cadbem.errors import CadbemError, ResultsError
+from cadbem.files import locked, make_folder, told, write_whole
 from cadbem.operators.pool import CORES
 from cadbem.progress import notice, progress
-from cadbem.results.files import locked, make_folder, told, write_whole
 from cadbem.sweep.engines import on_a_cluster, on_this_machine
 from cadbem.sweep.point import Point
 from cadbem.sweep.report import draw_table, write_table
