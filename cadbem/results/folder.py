@@ -11,11 +11,10 @@ from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-
-from cadbem.progress import STAGES, notice
 from cadbem.errors import ResultsError
-from cadbem.results.asked import asked_by
 from cadbem.files import make_folder, told, write_whole
+from cadbem.progress import STAGES, notice
+from cadbem.results.asked import asked_by
 from cadbem.suspension.simulation import Simulation
 from cadbem.suspension.state import State
 
@@ -76,7 +75,9 @@ class RunFolder:
             log.write(f"{datetime.now():%Y-%m-%d %H:%M:%S}  {text}\n")
 
 
-def run_folder(output: str | os.PathLike[str], *inputs: str | Path, resume: bool = False) -> RunFolder:
+def run_folder(
+    output: str | os.PathLike[str], *inputs: str | Path, resume: bool = False
+) -> RunFolder:
     """Make the folder ``output`` for the results of the script that calls, "" for no results.
 
     run.json says what was asked: the script with the arguments of the function that calls,
@@ -94,9 +95,7 @@ def run_folder(output: str | os.PathLike[str], *inputs: str | Path, resume: bool
     path = Path(output)
     if resume:
         return _resumed(path, asked)
-    with told(path):
-        taken = path.exists() and (not path.is_dir() or any(not file.name.startswith(".") for file in path.iterdir()))
-    if taken:
+    if _taken(path):
         how = f"go on with 'cadbem resume {path}', or " if (path / ASKED).exists() else ""
         raise ResultsError(f"{path} exists already; {how}choose another folder with -o")
     folder = RunFolder(make_folder(path))
@@ -106,6 +105,15 @@ def run_folder(output: str | os.PathLike[str], *inputs: str | Path, resume: bool
         write_whole(path / "script.py", Path(script["file"]).read_bytes())
     folder.note("began")
     return folder
+
+
+def _taken(path: Path) -> bool:
+    """Whether there is something that must not be lost; hidden files are what a run that was
+    killed at its very beginning leaves."""
+    with told(path):
+        if not path.is_dir():
+            return path.exists()
+        return any(not file.name.startswith(".") for file in path.iterdir())
 
 
 def read_asked(path: Path) -> dict[str, Any]:

@@ -10,12 +10,13 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import h5py
 
-from cadbem.errors import CadbemError, ResultsError
+from cadbem.errors import ResultsError
+from cadbem.files import locked, make_folder, write_at, write_whole
 from cadbem.post.series import write_channel, write_frame, write_index
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
@@ -30,7 +31,6 @@ from cadbem.results.encode import (
     write_rest,
     write_state,
 )
-from cadbem.files import locked, make_folder, write_at, write_whole
 from cadbem.results.series import body_rows, columns, frame_of, line, run_row
 from cadbem.suspension.channel_flow import ChannelFlow
 from cadbem.suspension.moment import Moment
