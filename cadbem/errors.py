@@ -31,3 +31,7 @@ class ShapeError(CadbemError):
 
 class SolverError(CadbemError):
     """An iteration did not converge."""
+
+
+class UnitsError(CadbemError):
+    """A quantity is not understood, has another dimension than is asked for, or another unit."""

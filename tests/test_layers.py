@@ -6,14 +6,14 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
-    {"errors", "compiled"},
+    {"errors", "compiled", "units"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},
     {"operators"},
     {"problems"},
     {"suspension"},
-    {"results", "post", "warmup"},
+    {"results", "post", "warmup", "design"},
     {"script", "cli", "cli_report", "__init__", "__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}

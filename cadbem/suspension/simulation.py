@@ -24,6 +24,7 @@ from cadbem.suspension.stepping import Adaptive, Step, Stepper
 from cadbem.suspension.surroundings import Surroundings
 from cadbem.suspension.together import respond_together
 from cadbem.suspension.volume import CorrectVolume
+from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
@@ -82,6 +83,7 @@ class Simulation:
         and its ``stopped`` tells why.  Raises ConditionError for bodies that are not inside the
         channel, or overlap.
         """
+        check("end and every", (end, every), "time")
         if not end > 0 or every is not None and not every > 0:
             raise ShapeError(f"run(end={end}, every={every}): times must be positive")
         check_start(self.flow, self.start.placed, self.start.numbers)
