@@ -129,11 +129,11 @@ def hydraulic_network(
 
     Raises ``ConditionError`` for fewer than two openings.
     """
-    walls: dict[str, Condition] = {n: NoSlip() for n in channel.names}
     _check_names(channel, openings)
-    ends = {n: Pressure(float(i == 0)) for i, n in enumerate(openings)}
+    conditions: dict[str, Condition] = {n: Pressure(float(n == openings[0])) for n in openings}
+    conditions |= {n: NoSlip() for n in channel.names if n not in conditions}
     rules = quadrature or Quadrature()
-    return network_of(StokesProblem(channel, viscosity, walls | ends, rules, storage=storage))
+    return network_of(StokesProblem(channel, viscosity, conditions, rules, storage=storage))
 
 
 def network_of(problem: StokesProblem) -> Network:
