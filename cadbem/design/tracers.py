@@ -24,7 +24,7 @@ from cadbem.spline.basis import Array
 from cadbem.suspension.stepping import dormand_prince
 
 STRIDE = 0.5  # longest step, in widths of the narrowest opening
-PATIENCE = 50.0  # default time limit, in mean residence times V / Q
+PATIENCE = 200.0  # default time limit, in mean residence times V / Q
 STEPS = 5000  # a tracer that takes more does not get on
 BISECTIONS = 50
 ACCURACY = 1e-4  # of the velocity, relative
@@ -85,7 +85,7 @@ def trace(
 ) -> Tracers:
     """Follow tracers from ``starts``, those of an inlet or points (dim, N), until they leave.
 
-    ``time_limit``, by default 50 V / Q with the volume V and the flow rate Q, ends those that do
+    ``time_limit``, by default 200 V / Q with the volume V and the flow rate Q, ends those that do
     not.  ``tolerance`` bounds the error of each step relative to the narrowest opening's width.
     Raises ``ConditionError`` when there is no opening, or starts have another dimension.
     """
