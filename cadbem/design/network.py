@@ -88,7 +88,8 @@ class Network:
         rows = np.where(fixed[:, None], held, self.conductance / scale)
         inside = np.linalg.solve(rows, np.where(fixed, right, right / scale))
         rates = np.where(fixed, self.conductance @ inside, right)
-        return OperatingPoint(self.names, rates, inside, inside + tubes * rates)
+        outside = np.where(fixed, right, inside + tubes * rates)
+        return OperatingPoint(self.names, rates, inside, outside)
 
     def flow(self, point: OperatingPoint) -> StokesSolution:
         """The flow field at an operating point, without another factorisation."""

@@ -8,7 +8,7 @@ that fits both ends of the step.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from tqdm import tqdm
 
 from cadbem.design.starts import OPEN, Starts
 from cadbem.errors import ConditionError
+from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.profiles import Port, port
 from cadbem.problems.solution import StokesSolution
 from cadbem.quadrature import Quadrature
@@ -26,6 +27,8 @@ from cadbem.suspension.stepping import dormand_prince
 STRIDE = 0.5  # longest step, in widths of the narrowest opening
 PATIENCE = 200.0  # default time limit, in mean residence times V / Q
 STEPS = 5000  # a tracer that takes more does not get on
+STUCK = 1e-7  # widths: a step that has to be shorter, or ends in a wall, does not get on
+PARTS = (0.25, 0.5, 0.75, 1.0)  # of each step that are kept
 BISECTIONS = 50
 ACCURACY = 1e-4  # of the velocity, relative
 
@@ -35,7 +38,8 @@ class Tracers:
     """N tracers that have been followed: their ``paths``, arrays (dim, n), at the ``moments`` (n,).
 
     ``openings`` (N names) through which they left; "" for those that had not when the time was
-    over, as tracers at walls, where the fluid is at rest, never do.  ``flow_rates`` (N,) is what
+    over, or that ran into a wall: near walls, where the fluid is almost at rest, the computed flow
+    may lead there.  ``flow_rates`` (N,) is what
     each stands for.
     """
 
@@ -141,6 +145,17 @@ class _Flow:
         radius = np.linalg.norm(opening.outline - opening.centre[:, None], axis=0).max()
         return (height < 0) & (height > -2 * radius) & (aside <= radius), height
 
+    @cached_property
+    def _enclosure(self) -> Enclosure:
+        return Enclosure(self.solution.space.boundary)
+
+    def in_walls(self, points: Array) -> NDArray[np.bool_]:
+        """Which points (dim, M) lie neither in the fluid nor behind an opening."""
+        outside = self._enclosure.clearance(points, self.width).distance < -STUCK * self.width
+        for opening in self.ports:
+            outside &= ~self.beyond(points, opening)[0]
+        return outside
+
     def __call__(self, points: Array) -> Array:
         """Velocity (dim, M)."""
         inside = points.copy()
@@ -199,42 +214,38 @@ class _March:
         step = dormand_prince(self.flow, now.position, now.velocity, length)
         assert step.slope is not None
         error = np.linalg.norm(step.error, axis=0) / (self.tolerance * self.flow.width)
-        done = error <= 1
+        outside = self.flow.in_walls(step.state)
+        done = (error <= 1) & ~outside
+        factor = np.clip(0.9 * np.maximum(error, 1e-12) ** -0.2, 0.2, 5.0)
         after = _Steps(
             now.who,
             np.where(done, now.time + length, now.time),
             np.where(done, step.state, now.position),
             np.where(done, step.slope, now.velocity),
-            length * np.clip(0.9 * np.maximum(error, 1e-12) ** -0.2, 0.2, 5.0),
+            length * np.where(outside, np.minimum(factor, 0.25), factor),
         )
-        finished = self._crossed(now, after, done) | (after.time >= self.limit * (1 - 1e-12))
-        self._write(after.only(done & ~finished))
-        self._write(after.only(finished & np.array([not self.openings[i] for i in now.who])))
-        return after.only(~finished)
+        gone = self._advanced(now.only(done), after.only(done))
+        held = ~done & (after.length * speed < STUCK * self.flow.width)
+        over = after.time >= self.limit * (1 - 1e-12)
+        return after.only(~(np.isin(now.who, gone) | held | over))
 
-    def _crossed(self, now: _Steps, after: _Steps, done: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """Which tracers left in a step; their last moments are written down."""
-        result = np.zeros(len(now.who), dtype=bool)
+    def _advanced(self, before: _Steps, after: _Steps) -> NDArray[np.int64]:
+        """Write down where steps went; the tracers that left in them."""
+        share, gone = np.ones(len(before.who)), np.zeros(len(before.who), dtype=bool)
         for opening in self.flow.ports:
-            out = done & self.flow.beyond(after.position, opening)[0] & ~result
+            out = self.flow.beyond(after.position, opening)[0] & ~gone
             out &= opening.normal @ after.velocity < 0
-            before, end = now.only(out), after.only(out)
-            share = _crossing(before, end, opening)
-            ends = replace(
-                end,
-                time=before.time + share * (end.time - before.time),
-                position=_between(before, end, share),
-            )
-            self._write(ends)
-            for i in ends.who:
+            share[out] = _crossing(before.only(out), after.only(out), opening)
+            gone |= out
+            for i in before.who[out]:
                 self.openings[i] = opening.name
-            result |= out
-        return result
-
-    def _write(self, steps: _Steps) -> None:
-        for i, time, position in zip(steps.who, steps.time, steps.position.T, strict=True):
-            self.moments[i].append(float(time))
-            self.paths[i].append(position)
+        for part in PARTS:
+            times = before.time + part * share * (after.time - before.time)
+            positions = _between(before, after, part * share).T
+            for i, time, position in zip(before.who, times, positions, strict=True):
+                self.moments[i].append(float(time))
+                self.paths[i].append(position)
+        return before.who[gone]
 
 
 def _between(before: _Steps, after: _Steps, share: Array) -> Array:

@@ -1,0 +1,97 @@
+"""Where droplets of several sizes and starts end up in a T-junction with two outlets.
+
+Fluid enters the stem of geometries/t_junction.py ('inlet_b') and leaves through both arms, more of
+it through 'outlet' than through 'inlet_a'.  A point of fluid goes left or right of a dividing
+surface; a droplet is no point: it feels the flow all over its surface and the walls.  Droplets of
+the outer fluid's viscosity start in the stem at several distances from its axis, each alone.
+
+Prints through which opening each droplet left and when, its largest Taylor deformation D and the
+narrowest gap that it had, where that was narrow; the last column says where a tracer of the same
+start goes.  Draws the paths.
+"""
+
+from pathlib import Path
+
+import numpy as np
+
+import cadbem as cb
+
+GEOMETRY = Path(__file__).parents[1] / "geometries" / "t_junction.step"
+
+
+def main(
+    output: str = "results/droplet_sorting",
+    viscosity: str = "10 mPa s",
+    flow_rate: str = "60 uL/min",
+    share: float = 0.65,
+    tension: str = "0.5 mN/m",
+    radii: str = "100 200 um",
+    starts: str = "-200 -100 0 um",
+    element_size: float = 0.5,
+    points: int = 72,
+    tolerance: float = 3e-2,
+    every: float = 0.2,
+    end: str = "20 s",
+) -> list[cb.Fate]:
+    # Flow: so much in through the stem, a share of it out through 'outlet'
+    channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
+    u = cb.Units.of(channel)
+    rate = u(flow_rate)
+    conditions = {
+        "inlet_b": cb.Inflow(flow_rate=rate),
+        "outlet": cb.Inflow(flow_rate=-share * rate),
+        "inlet_a": cb.Pressure(0.0),
+        "walls": cb.NoSlip(),
+    }
+    flow = cb.ChannelFlow(cb.StokesProblem(channel, u(viscosity), conditions, cb.Quadrature(1e-4)))
+    mean = rate / 1.0  # mm/s: the channels are 1 mm wide and high
+    what = cb.numbers(viscosity=u(viscosity), velocity=mean, length=1.0, tension=u(tension))
+    print(f"{flow.problem.space.count} points, mean velocity {u.show(mean, 'velocity')}, "
+          f"Ca = {what.capillary:.3g}")  # fmt: skip
+
+    # Droplets: every size from every start, at y = -2
+    places = [(x, -2.0, 0.0) for x in lengths(u, starts)]
+    law = cb.SurfaceTension(u(tension))
+    droplets = [
+        cb.Droplet(cb.spline_sphere(radius, place, points), law)
+        for radius in lengths(u, radii)
+        for place in places
+    ]
+    simulation = cb.Simulation(flow, droplets[0], stepper=cb.Adaptive(tolerance))
+    fates = cb.droplet_fates(simulation, droplets, u(end), every)
+    tracers = cb.trace(flow.empty, np.array(places).T)
+    report(u, fates, tracers)
+    if output:
+        folder = cb.fresh_folder(output)
+        tracks = {f"{label(u, f)} from {f.path[0, 0]:+.2f} mm": f.path for f in fates}
+        cb.draw_trajectories(folder / "paths.png", channel, tracks)
+        print(f"a picture is in {folder}")
+    return fates
+
+
+def lengths(u: cb.Units, text: str) -> list[float]:
+    """Several lengths, as in '100 200 um'."""
+    *values, unit = text.split()
+    return [u(f"{value} {unit}") for value in values]
+
+
+def label(u: cb.Units, fate: cb.Fate) -> str:
+    """The droplet's radius, from its volume."""
+    return "R = " + u.show((3 * fate.droplet.volume / (4 * np.pi)) ** (1 / 3), "length")
+
+
+def report(u: cb.Units, fates: list[cb.Fate], tracers: cb.Tracers) -> None:
+    rows = []
+    for k, fate in enumerate(fates):
+        gap = u.show(fate.gap, "length") if np.isfinite(fate.gap) else "-"
+        rows.append([
+            label(u, fate), u.show(fate.path[0, 0], "length"), fate.opening or fate.ended,
+            u.show(fate.time, "time"), f"{fate.deformation:.3f}", gap,
+            tracers.openings[k % len(tracers.openings)] or "-",
+        ])  # fmt: skip
+    head = ("droplet", "off the axis", "left through", "after", "largest D", "gap", "a tracer")
+    print(cb.text_table(head, rows))
+
+
+if __name__ == "__main__":
+    cb.run(main)
