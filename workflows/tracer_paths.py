@@ -23,11 +23,16 @@ def main(
     main_rate: str = "40 uL/min",
     side_rate: str = "20 uL/min",
     element_size: float = 0.4,
+    levels: int = 3,
     tracers: int = 36,
     paths: int = 5,
 ) -> dict[str, cb.Tracers]:
     # Geometry and flow
     channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
+    # finer towards the two edges that the flow goes around
+    channel = channel.graded(
+        levels, 0.4, toward=lambda x, _: np.hypot(abs(x[0]) - 0.5, x[1] + 0.5) < 0.1
+    )
     u = cb.Units.of(channel)
     rates = {"inlet_a": u(main_rate), "inlet_b": u(side_rate)}
     conditions = {name: cb.Inflow(flow_rate=rate) for name, rate in rates.items()}
