@@ -1,7 +1,7 @@
 """Where droplets of several sizes and starts end up in a T-junction with two outlets.
 
-Fluid enters the stem of geometries/t_junction.py ('inlet_b') and leaves through both arms, more of
-it through 'outlet' than through 'inlet_a'.  A point of fluid goes left or right of a dividing
+Fluid enters the stem of geometries/t_junction.py and leaves through both arms, more of it to the
+right than to the left.  A point of fluid goes left or right of a dividing
 surface; a droplet is no point: it feels the flow all over its surface and the walls.  Droplets of
 the outer fluid's viscosity start in the stem at several distances from its axis, each alone.
 
@@ -32,17 +32,18 @@ def main(
     element_size: float = 0.5,
     points: int = 50,
     tolerance: float = 5e-2,
-    every: float = 0.2,
+    every: float = 0.1,
     end: str = "20 s",
 ) -> list[cb.Fate]:
-    # Flow: so much in through the stem, a share of it out through 'outlet'
-    channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
+    # Flow: so much in through the stem, a share of it out to the right
+    junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
+    channel = junction.elevated(2).refined(size=element_size)
     u = cb.Units.of(channel)
     rate = u(flow_rate)
     conditions = {
-        "inlet_b": cb.Inflow(flow_rate=rate),
-        "outlet": cb.Inflow(flow_rate=-share * rate),
-        "inlet_a": cb.Pressure(0.0),
+        "stem": cb.Inflow(flow_rate=rate),
+        "right": cb.Inflow(flow_rate=-share * rate),
+        "left": cb.Pressure(0.0),
         "walls": cb.NoSlip(),
     }
     flow = cb.ChannelFlow(cb.StokesProblem(channel, u(viscosity), conditions, cb.Quadrature(1e-4)))

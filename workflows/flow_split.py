@@ -1,9 +1,9 @@
 """How a T-junction divides what enters it, and how the tubing behind one outlet shifts that.
 
-Fluid enters the stem of geometries/t_junction.py ('inlet_b') at a given rate, and leaves through
-both arms ('inlet_a' and 'outlet') into the open.  One arm has a tube behind it, which is made
-longer; the resistance of a round tube is 128 μ L / (π d⁴).  The junction is mirror symmetric, so
-that without a tube it gives half to each arm.  One factorisation serves all operating points.
+Fluid enters the stem of geometries/t_junction.py at a given rate, and leaves through both arms
+into the open.  The right arm has a tube behind it, which is made longer; the resistance of a round
+tube is 128 μ L / (π d⁴).  The junction is mirror symmetric, so that without a tube it gives half to
+each arm.  One factorisation serves all operating points.
 """
 
 from math import pi
@@ -24,16 +24,17 @@ def main(
     steps: int = 6,
     element_size: float = 0.4,
 ) -> list[cb.OperatingPoint]:
-    channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
+    junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
+    channel = junction.elevated(2).refined(size=element_size)
     u = cb.Units.of(channel)
-    openings = ("inlet_b", "inlet_a", "outlet")
+    openings = ("stem", "left", "right")
     network = cb.hydraulic_network(channel, u(viscosity), openings, cb.Quadrature(1e-5))
 
     # Both arms end at pressure 0, one of them behind a tube
     lengths = [u(longest) * k / (steps - 1) for k in range(steps)]
     tubes = [128 * u(viscosity) * length / (pi * u(bore) ** 4) for length in lengths]
-    ends = {"inlet_a": 0.0, "outlet": 0.0}
-    points = [network.operate(ends, {"inlet_b": u(flow_rate)}, {"outlet": t}) for t in tubes]
+    ends = {"left": 0.0, "right": 0.0}
+    points = [network.operate(ends, {"stem": u(flow_rate)}, {"right": t}) for t in tubes]
 
     rows = []
     for length, point in zip(lengths, points, strict=True):
@@ -41,7 +42,7 @@ def main(
         rates = [u.show(-q, "flow_rate") for q in point.flow_rates[1:]]
         drop = u.show(point.pressures[0], "pressure")
         rows.append([u.show(length, "length"), *shares, *rates, drop])
-    head = ("tube", "share inlet_a", "share outlet", "inlet_a", "outlet", "at inlet_b")
+    head = ("tube on the right", "share left", "share right", "left", "right", "at the stem")
     print(cb.text_table(head, rows))
     if output:
         folder = cb.fresh_folder(output)
@@ -50,7 +51,7 @@ def main(
             Curve(over, [p.fractions[name] for p in points], name, marks=True)
             for name in openings[1:]
         ]
-        label = "length of the tube behind 'outlet' (cm)"
+        label = "length of the tube behind the right arm (cm)"
         draw_plots(folder / "split.png", [Plot(label, "share of the flow", curves)])
         print(f"a plot is in {folder}")
     return points
