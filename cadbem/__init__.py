@@ -15,6 +15,23 @@ if TYPE_CHECKING:
     from cadbem.cad import read_cad as read_cad
     from cadbem.cad import read_outline as read_outline
     from cadbem.cad import write_patches as write_patches
+    from cadbem.design.deformation_limit import ShearDeformation as ShearDeformation
+    from cadbem.design.deformation_limit import largest_capillary as largest_capillary
+    from cadbem.design.deformation_limit import largest_deformation as largest_deformation
+    from cadbem.design.fate import Fate as Fate
+    from cadbem.design.fate import droplet_fate as droplet_fate
+    from cadbem.design.fate import droplet_fates as droplet_fates
+    from cadbem.design.fate import fate_of as fate_of
+    from cadbem.design.network import Network as Network
+    from cadbem.design.network import OperatingPoint as OperatingPoint
+    from cadbem.design.network import hydraulic_network as hydraulic_network
+    from cadbem.design.network import network_of as network_of
+    from cadbem.design.starts import Starts as Starts
+    from cadbem.design.starts import inlet_starts as inlet_starts
+    from cadbem.design.tracers import Tracers as Tracers
+    from cadbem.design.tracers import trace as trace
+    from cadbem.design.wall_shear import WallShear as WallShear
+    from cadbem.design.wall_shear import wall_shear as wall_shear
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
     from cadbem.errors import CadWarning as CadWarning
@@ -23,6 +40,7 @@ if TYPE_CHECKING:
     from cadbem.errors import ResultsError as ResultsError
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
+    from cadbem.errors import UnitsError as UnitsError
     from cadbem.extension import extended as extended
     from cadbem.operators.equivalent import FarField as FarField
     from cadbem.operators.storage import Compressed as Compressed
@@ -124,12 +142,22 @@ if TYPE_CHECKING:
     from cadbem.suspension.stepping import Euler as Euler
     from cadbem.suspension.thesis import thesis_methods as thesis_methods
     from cadbem.suspension.volume import CorrectVolume as CorrectVolume
+    from cadbem.units import Numbers as Numbers
+    from cadbem.units import Quantity as Quantity
+    from cadbem.units import Units as Units
+    from cadbem.units import numbers as numbers
 
 __version__ = "0.1.0"
 
 _NAMES = {
     "boundary": ("Boundary", "Patch"),
     "cad": ("inspect_cad", "mesh_volume", "read_cad", "read_outline", "write_patches"),
+    "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
+    "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
+    "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
+    "design.starts": ("Starts", "inlet_starts"),
+    "design.tracers": ("Tracers", "trace"),
+    "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
         "CadError",
         "CadWarning",
@@ -139,6 +167,7 @@ _NAMES = {
         "ResultsError",
         "SelectionError",
         "ShapeError",
+        "UnitsError",
     ),
     "extension": ("extended",),
     "operators.equivalent": ("FarField",),
@@ -232,6 +261,7 @@ _NAMES = {
     "suspension.stepping": ("Adaptive", "Euler"),
     "suspension.thesis": ("thesis_methods",),
     "suspension.volume": ("CorrectVolume",),
+    "units": ("Numbers", "Quantity", "Units", "numbers"),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}
 

@@ -18,7 +18,7 @@ from cadbem.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 SQUARE = ROOT / "geometries" / "square_channel.step"
-HEAVY = {"gmsh", "pyvista", "vtkmodules", "numba", "scipy", "meshio", "matplotlib"}
+HEAVY = {"gmsh", "pint", "pyvista", "vtkmodules", "numba", "scipy", "meshio", "matplotlib"}
 
 
 def cadbem_process(*arguments: str | Path) -> subprocess.CompletedProcess[str]:

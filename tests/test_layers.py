@@ -7,14 +7,14 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
     {"errors", "progress"},
-    {"compiled", "files"},
+    {"compiled", "files", "units"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},
     {"operators"},
     {"problems"},
     {"suspension"},
-    {"post", "warmup"},
+    {"post", "warmup", "design"},
     {"results"},
     {"sweep"},
     {"script", "__init__"},
