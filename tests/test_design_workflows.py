@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from pictures_in import pictures_in
 
 import cadbem as cb
 
@@ -18,10 +19,6 @@ import tracer_paths  # noqa: E402
 import wall_shear_peak  # noqa: E402
 
 
-def files(folder: Path) -> set[str]:
-    return {path.name for path in folder.iterdir()}
-
-
 def test_chip_resistance(tmp_path, capsys):
     """Side channels are mirror images; a tube takes 128 μ L Q / (π d⁴): 128 × 1 mPa s × 10 cm
     × 30 µL/min / (π (1 mm)⁴) = 2.0372 Pa."""
@@ -33,7 +30,7 @@ def test_chip_resistance(tmp_path, capsys):
     assert point.flow_rates == pytest.approx([0.5, 1.0, 1.0, -2.5], rel=1e-6)
     tube = 128 * 1e-3 * 0.1 * 5e-10 / (np.pi * 1e-12)
     assert point.outside[0] - point.pressures[0] == pytest.approx(tube, rel=1e-9)
-    assert files(tmp_path) == {"slices.png", "streamlines.png"}
+    assert pictures_in(tmp_path) == {"slices.png", "streamlines.png"}
     assert "60 µL/min" in capsys.readouterr().out
 
 
@@ -45,7 +42,7 @@ def test_flow_split(tmp_path):
     shares = [point.fractions["right"] for point in points]
     assert shares[0] == pytest.approx(0.5, abs=1e-6)
     assert shares[0] > shares[1] > shares[2] > 0
-    assert files(tmp_path) == {"split.png"}
+    assert pictures_in(tmp_path) == {"split.png"}
 
 
 def test_wall_shear_peak(tmp_path):
@@ -62,7 +59,7 @@ def test_wall_shear_peak(tmp_path):
     series = (1 / (n**2 * np.cosh(n * np.pi * h / (2 * b)))).sum()
     assert found.peak == pytest.approx(gradient * b * (0.5 - 4 / np.pi**2 * series), rel=0.1)
     assert abs(found.place[0]) < 0.6 and abs(found.place[1]) == pytest.approx(0.4, abs=0.01)
-    assert files(tmp_path) == {"wall_stresses.png"}
+    assert pictures_in(tmp_path) == {"wall_stresses.png"}
 
 
 def test_tracer_paths(tmp_path):
@@ -72,7 +69,7 @@ def test_tracer_paths(tmp_path):
     whole = sum(group.mean_time * group.flow_rates.sum() for group in found.values())
     assert whole == pytest.approx(8.5, rel=0.05)
     assert all(group.shares == {"outlet": 1.0} for group in found.values())
-    assert files(tmp_path) == {"paths.png", "residence_times.png"}
+    assert pictures_in(tmp_path) == {"paths.png", "residence_times.png"}
 
 
 def test_droplet_sorting(tmp_path):
@@ -84,7 +81,7 @@ def test_droplet_sorting(tmp_path):
     speed = (fate.path[1, -1] - fate.path[1, 0]) / 0.1
     assert speed == pytest.approx(2.0963 - 0.0285, rel=0.04)
     assert fate.opening == "" and fate.ended == "still inside at time 0.1"
-    assert files(tmp_path) == {"paths.png"}
+    assert pictures_in(tmp_path) == {"paths.png"}
 
 
 @pytest.mark.long
@@ -100,4 +97,4 @@ def test_deformation_limit(tmp_path):
     options = ["--limit", "0.03", "--viscosity-ratios", "1", "--end", "0.7", "--limits", "1"]
     found = cb.run(deformation_limit.main, ["-o", str(tmp_path), *options])
     assert found[1.0] == pytest.approx(0.03 * 32 / 35, rel=0.01)
-    assert files(tmp_path) == {"capillary_numbers.png"}
+    assert pictures_in(tmp_path) == {"capillary_numbers.png"}

@@ -30,6 +30,8 @@ def main(
     element_size: float = 0.4,
     mesh_size: float = 0.12,
 ) -> tuple[cb.Network, cb.OperatingPoint]:
+    folder = cb.run_folder(output, GEOMETRY)
+
     # Geometry: 34 plane faces; lengths in the file's unit, time in s, pressure in Pa
     channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
     u = cb.Units.of(channel)
@@ -55,9 +57,10 @@ def main(
     ]
     print(f"with tubes of {u.show(tube, 'resistance')} at each opening:")
     print(cb.text_table(("opening", "flow rate", "at the chip", "beyond the tube"), rows))
+    pumps = zip(OPENINGS, point.outside, strict=True)
+    folder.summary({f"pressure at {name} (Pa)": u.si(p, "pressure") for name, p in pumps})
 
-    if output:
-        folder = cb.fresh_folder(output)
+    if folder:
         solution = network.flow(point)
         grid = cb.volume_grid(*cb.mesh_volume(GEOMETRY, mesh_size), solution)
         cb.draw_slices(grid, channel, folder / "slices.png")

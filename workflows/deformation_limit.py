@@ -23,6 +23,7 @@ def main(
     points: int = 72,
     limits: int = 5,
 ) -> dict[float, float]:
+    folder = cb.run_folder(output)
     u = cb.Units("um")
     bearable = u(tension) / (u(viscosity) * u(radius))  # rate for Ca = 1
     ratios = [float(word) for word in viscosity_ratios.split()]
@@ -37,8 +38,8 @@ def main(
     ]  # fmt: skip
     print(f"D stays below {limit:g} up to")
     print(cb.text_table(("viscosity ratio", "Ca", "Ca by Taylor", "shear rate"), rows))
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({f"Ca, λ = {ratio:g}": capillary for ratio, capillary in found.items()})
+    if folder:
         asked = np.linspace(limit / limits, limit, limits)
         measured = cb.ShearDeformation(ratios[0], end, points)
         allowed = [cb.largest_capillary(float(d), measured) for d in asked]

@@ -35,6 +35,8 @@ def main(
     every: float = 0.1,
     end: str = "20 s",
 ) -> list[cb.Fate]:
+    folder = cb.run_folder(output, GEOMETRY)
+
     # Flow: so much in through the stem, a share of it out to the right
     junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
     channel = junction.elevated(2).refined(size=element_size)
@@ -65,8 +67,9 @@ def main(
     fates = cb.droplet_fates(simulation, droplets, u(end), every)
     tracers = cb.trace(flow.empty, np.array(places).T)
     report(u, fates, tracers)
-    if output:
-        folder = cb.fresh_folder(output)
+    right = sum(fate.opening == "right" for fate in fates)
+    folder.summary({"left through the right arm": right, "of droplets": len(fates)})
+    if folder:
         tracks = {f"{label(u, f)}, x = {f.path[0, 0]:+.2f}": f.path for f in fates}
         cb.draw_trajectories(folder / "paths.png", channel, tracks)
         print(f"a picture is in {folder}")

@@ -24,6 +24,7 @@ def main(
     steps: int = 6,
     element_size: float = 0.4,
 ) -> list[cb.OperatingPoint]:
+    folder = cb.run_folder(output, GEOMETRY)
     junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
     channel = junction.elevated(2).refined(size=element_size)
     u = cb.Units.of(channel)
@@ -44,8 +45,11 @@ def main(
         rows.append([u.show(length, "length"), *shares, *rates, drop])
     head = ("tube on the right", "share left", "share right", "left", "right", "at the stem")
     print(cb.text_table(head, rows))
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({
+        "share left": points[-1].fractions["left"],
+        "pressure at the stem (Pa)": u.si(points[-1].pressures[0], "pressure"),
+    })
+    if folder:
         over = [u.si(length, "length") * 100 for length in lengths]
         curves = [
             Curve(over, [p.fractions[name] for p in points], name, marks=True)

@@ -27,6 +27,8 @@ def main(
     tracers: int = 36,
     paths: int = 5,
 ) -> dict[str, cb.Tracers]:
+    folder = cb.run_folder(output, GEOMETRY)
+
     # Geometry and flow
     channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
     # finer towards the two edges that the flow goes around
@@ -54,9 +56,9 @@ def main(
     whole = sum(g.mean_time * g.flow_rates.sum() for g in found.values()) / sum(rates.values())
     exact = channel.volume() / sum(rates.values())
     print(f"mean of all {u.show(whole, 'time')}, volume / flow rate {u.show(exact, 'time')}")
+    folder.summary({"mean residence time (s)": whole, "volume / flow rate (s)": exact})
 
-    if output:
-        folder = cb.fresh_folder(output)
+    if folder:
         across = np.linspace(-0.45, 0.45, paths)
         rows_of_starts = [np.stack([np.full(paths, -3.0), across, 0 * across]),
                           np.stack([across, np.full(paths, -3.0), 0 * across])]  # fmt: skip

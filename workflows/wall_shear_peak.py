@@ -21,6 +21,7 @@ def main(
     element_size: float = 0.3,
     grids: int = 3,
 ) -> list[cb.WallShear]:
+    folder = cb.run_folder(output, GEOMETRY)
     found, rows = [], []
     for k in range(grids):
         # Elements of the finest size last, each grid 1.4 times as fine as the one before
@@ -42,8 +43,11 @@ def main(
         found.append(shear)
     head = ("points", "peak", "99 %", "50 %", "mean", "place (mm)", "on")
     print(cb.text_table(head, rows))
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({
+        "peak (Pa)": u.si(shear.peak, "pressure"),
+        "99th percentile (Pa)": u.si(shear.percentile(99), "pressure"),
+    })
+    if folder:
         cb.draw_traction(solution, folder / "wall_stresses.png")
         print(f"a picture is in {folder}")
     return found
