@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -34,7 +34,7 @@ def draw_trajectories(
     paths and channel are not in the same dimension.
     """
     paths = {label: np.asarray(track, dtype=float) for label, track in tracks.items()}
-    extent = _extent(channel, list(paths.values()))
+    extent = extent_of_paths(channel, list(paths.values()))
     widest = extent if channel is None else spread_points(channel)
     shown = sorted(axes_by_length(widest)[:2]) if len(extent) == 3 else [0, 1]
     unit, names = "" if channel is None else channel.unit, "".join("xyz"[k] for k in shown)
@@ -57,7 +57,7 @@ def draw_trajectories(
     return target
 
 
-def _extent(channel: Boundary | None, paths: list[Array]) -> Array:
+def extent_of_paths(channel: Boundary | None, paths: Sequence[Array]) -> Array:
     """Points (dim, N) of all paths and of the channel."""
     if not paths:
         raise CadbemError("no trajectories to draw: give at least one path of positions (dim, N)")
