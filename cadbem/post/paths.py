@@ -35,6 +35,7 @@ from cadbem.post.style import (
     add_text,
     colour_bar,
     colour_limits,
+    length_unit,
     quantity_label,
     sample_of,
     scaled,
@@ -107,7 +108,7 @@ class _Look:
     ) -> _Look:
         unit = "" if channel is None else channel.unit
         title = quantity_label(label, unit, units)
-        unit = unit if units is None else units.length
+        unit = length_unit(channel, units)
         if not scalars:
             return _Look(None, title, unit)
         every = np.concatenate(scalars)

@@ -13,7 +13,14 @@ from cadbem.post.frames import spread_points
 from cadbem.post.layout import Size
 from cadbem.post.plane import add_plane_channel, plane_figure
 from cadbem.post.sampling import Sample
-from cadbem.post.style import COLOUR_MAP, UnitNames, colour_limits, quantity_label, round_values
+from cadbem.post.style import (
+    COLOUR_MAP,
+    UnitNames,
+    colour_limits,
+    length_unit,
+    quantity_label,
+    round_values,
+)
 from cadbem.spline.basis import Array
 
 LEVELS = 48  # colours
@@ -27,7 +34,7 @@ def draw_plane_flow(
     """See ``draw_flow``."""
     from matplotlib.tri import Triangulation
 
-    unit = boundary.unit if units is None else units.length
+    unit = length_unit(boundary, units)
     figure, panels = plane_figure(spread_points(boundary), unit, size, 2)
     mesh = Triangulation(sample.points[0], sample.points[1], sample.cells.T)
     speed = np.linalg.norm(sample.velocity, axis=0)

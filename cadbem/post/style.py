@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from cadbem.boundary import Boundary
 from cadbem.post.display import load_pyvista
 from cadbem.spline.basis import Array
 
@@ -79,6 +80,13 @@ def quantity_label(quantity: str, unit: str, units: UnitNames | None = None) -> 
     if not length:
         return f"{quantity} (dimensionless)" if quantity != "time" else quantity
     return f"{quantity} ({known[quantity]})" if known.get(quantity) else quantity
+
+
+def length_unit(boundary: Boundary | None, units: UnitNames | None) -> str:
+    """What the unit of length is called: by ``units``, else by the boundary's CAD file."""
+    if units is not None:
+        return units.length
+    return "" if boundary is None else boundary.unit
 
 
 def size_label(points: Array, unit: str) -> str:

@@ -15,7 +15,7 @@ from cadbem.post.export import prepared
 from cadbem.post.frames import spread_points
 from cadbem.post.layout import Size, axes_by_length
 from cadbem.post.plane import add_legend, add_plan, add_plane_channel, plane_figure
-from cadbem.post.style import BACKGROUND
+from cadbem.post.style import BACKGROUND, UnitNames, length_unit
 from cadbem.spline.basis import Array
 
 
@@ -24,6 +24,7 @@ def draw_trajectories(
     channel: Boundary | None,
     tracks: Mapping[str | int, ArrayLike],
     *,
+    units: UnitNames | None = None,
     size: Size = (1500, 1200),
 ) -> Path:
     """Picture of paths (dim, N), by label, from open to filled circles, on the channel's plan.
@@ -37,7 +38,7 @@ def draw_trajectories(
     extent = extent_of_paths(channel, list(paths.values()))
     widest = extent if channel is None else spread_points(channel)
     shown = sorted(axes_by_length(widest)[:2]) if len(extent) == 3 else [0, 1]
-    unit, names = "" if channel is None else channel.unit, "".join("xyz"[k] for k in shown)
+    unit, names = length_unit(channel, units), "".join("xyz"[k] for k in shown)
     figure, (axes,) = plane_figure(extent[shown], unit, size, names=names)
     if channel is not None and channel.dimension == 2:
         add_plane_channel(axes, channel)

@@ -33,6 +33,7 @@ from cadbem.post.style import (
     UnitNames,
     add_text,
     colour_bar,
+    length_unit,
     quantity_label,
     scaled,
     size_label,
@@ -241,5 +242,9 @@ def _add_bars(
     for i, (quantity, actor) in enumerate(bars.items()):
         label = quantity_label(quantity, boundary.unit, units)
         colour_bar(plotter, actor, label, 0.24 + 0.4 * i, 0.3)
-    unit = boundary.unit if units is None else units.length
-    add_text(plotter, size_label(extent, unit), (0.02, 0.72), scaled(plotter, SMALL))
+    add_text(
+        plotter,
+        size_label(extent, length_unit(boundary, units)),
+        (0.02, 0.72),
+        scaled(plotter, SMALL),
+    )

@@ -21,6 +21,7 @@ from cadbem.post.style import (
     add_text,
     colour_bar,
     colour_limits,
+    length_unit,
     quantity_label,
     scaled,
     size_label,
@@ -88,7 +89,7 @@ def draw_traction(
         for i, (quantity, actor) in enumerate(bars.items()):
             label = quantity_label(quantity, boundary.unit, units)
             colour_bar(plotter, actor, label, 0.24 + 0.4 * i, 0.3)
-        unit = boundary.unit if units is None else units.length
+        unit = length_unit(boundary, units)
         add_text(plotter, size_label(extent, unit), (0.02, 0.72), scaled(plotter, SMALL))
     return Path(path)
 
