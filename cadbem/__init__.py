@@ -51,10 +51,13 @@ if TYPE_CHECKING:
     from cadbem.post import draw_boundary as draw_boundary
     from cadbem.post import draw_collocation as draw_collocation
     from cadbem.post import draw_droplets as draw_droplets
+    from cadbem.post import draw_flow as draw_flow
     from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
+    from cadbem.post import draw_paths as draw_paths
     from cadbem.post import draw_run as draw_run
     from cadbem.post import draw_scene as draw_scene
+    from cadbem.post import draw_series as draw_series
     from cadbem.post import draw_slices as draw_slices
     from cadbem.post import draw_streamlines as draw_streamlines
     from cadbem.post import draw_traction as draw_traction
@@ -178,10 +181,13 @@ _NAMES = {
         "draw_boundary",
         "draw_collocation",
         "draw_droplets",
+        "draw_flow",
         "draw_movie",
-        "draw_run",
         "draw_outlines",
+        "draw_paths",
+        "draw_run",
         "draw_scene",
+        "draw_series",
         "draw_slices",
         "draw_streamlines",
         "draw_traction",

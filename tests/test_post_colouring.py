@@ -12,6 +12,7 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.errors import CadbemError
 from cadbem.post import Frame, draw_movie, draw_scene, filmstrip
 from cadbem.post.colouring import Colouring
+from cadbem.post.encode import Shots, encoder
 from cadbem.post.frames import extent_of, time_labels
 from cadbem.post.style import quantity_label
 from cadbem.spline.closed_shapes import spline_circle, spline_ellipse, spline_ellipsoid
@@ -20,6 +21,7 @@ from cadbem.spline.shapes import sphere
 
 pytest.importorskip("pyvista")
 ffmpeg = pytest.importorskip("imageio_ffmpeg")
+WRITTEN = "write (16, 16, 3) (16, 16)"
 UNITS = SimpleNamespace(length="mm", time="s", pressure="Pa")
 
 
@@ -67,6 +69,24 @@ def test_plane_movie_as_mp4(tmp_path):
     images = movie(path)
     assert len(images) == 2 and (np.array(images.shape[1:3]) % 16 == 0).all()
     assert (images[0] != images[1]).any()
+
+
+def test_pictures_are_taken_one_at_a_time(tmp_path, monkeypatch):
+    """Each picture is on its way to the encoder before the next one is taken; 7 × 5 pixels are
+    filled up to 16 × 16."""
+    events = []
+
+    def take(number):
+        events.append(f"take {number}")
+        return Image.new("RGB", (7, 5))
+
+    def writer(path, size, **options):
+        while (pixels := (yield)) is not None:
+            events.append(f"write {pixels.shape} {size}")
+
+    monkeypatch.setattr(ffmpeg, "write_frames", writer)
+    encoder(tmp_path / "m.mp4")(tmp_path / "m.mp4", Shots("m", 2, take))
+    assert events == [what for k in range(2) for what in (f"take {k}", WRITTEN)]
 
 
 def test_limits_hold_for_all_frames():

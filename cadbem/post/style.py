@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from cadbem.boundary import Boundary
 from cadbem.post.display import load_pyvista
 from cadbem.spline.basis import Array
 
@@ -74,11 +75,18 @@ def quantity_label(quantity: str, unit: str, units: UnitNames | None = None) -> 
         **dict.fromkeys(SPEEDS, f"{length} / {time}" if units is None else f"{length}/{time}"),
         **dict.fromkeys(STRESSES, stress),
         "mean curvature": f"1/{length}",
-        "time": time,
+        "time": "" if units is None else time,
     }
     if not length:
-        return f"{quantity} (dimensionless)"
-    return f"{quantity} ({known[quantity]})" if quantity in known else quantity
+        return f"{quantity} (dimensionless)" if quantity != "time" else quantity
+    return f"{quantity} ({known[quantity]})" if known.get(quantity) else quantity
+
+
+def length_unit(boundary: Boundary | None, units: UnitNames | None) -> str:
+    """What the unit of length is called: by ``units``, else by the boundary's CAD file."""
+    if units is not None:
+        return units.length
+    return "" if boundary is None else boundary.unit
 
 
 def size_label(points: Array, unit: str) -> str:
@@ -116,6 +124,7 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
     )
     bar.SetTitle("")
     bar.SetTextPositionToPrecedeScalarBar()
+    bar.SetTextPad(scaled(plotter, 6))
     bar.SetUseCustomLabels(True)
     bar.SetCustomLabels(numpy_to_vtk(round_values(*actor.mapper.scalar_range), deep=True))
     add_text(plotter, title, (left, 0.72), scaled(plotter, TEXT))
