@@ -1,4 +1,4 @@
-"""The command line: ``cadbem info``, ``view``, ``run`` and ``warmup``."""
+"""The command line: ``cadbem info``, ``view``, ``run``, ``warmup`` and ``verify``."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cadbem import __version__
 from cadbem.cli_report import report_lines
 from cadbem.errors import CadbemError, CadError, CadWarning
 
-USER_MISTAKE, INTERRUPTED = 2, 130
+CHECK_FAILED, USER_MISTAKE, INTERRUPTED = 1, 2, 130
 
 
 class UsageError(CadbemError):
@@ -32,18 +32,18 @@ class _Parser(argparse.ArgumentParser):
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run one command; the answer is the exit code (2 after a mistake of the user)."""
+    """Run one command; the answer is the exit code (2 after a mistake of the user, 1 if a check
+    of ``verify`` fails)."""
     options = _parser().parse_args(arguments)
     try:
         with _warnings_in_one_line():
-            options.command(options)
+            return options.command(options) or 0
     except CadbemError as error:
         print(f"cadbem: {' '.join(str(error).split())}", file=sys.stderr)
         return USER_MISTAKE
     except KeyboardInterrupt:
         print("cadbem: interrupted", file=sys.stderr)
         return INTERRUPTED
-    return 0
 
 
 @contextmanager
@@ -74,6 +74,7 @@ def _parser() -> argparse.ArgumentParser:
     _add_view(commands)
     _add_run(commands)
     _add_warmup(commands)
+    _add_verify(commands)
     return parser
 
 
@@ -182,6 +183,20 @@ def _add_warmup(commands: argparse._SubParsersAction) -> None:
     parser.set_defaults(command=_warmup)
 
 
+def _add_verify(commands: argparse._SubParsersAction) -> None:
+    parser = _add(
+        commands,
+        "verify",
+        "compute what is known exactly, and compare",
+        "Tables and figures of the thesis as far as they are numbers, and more: a minute or two.\n"
+        "Prints each number, its true value, the thesis's, the error and what is allowed; the\n"
+        "exit code is 1 if any check fails.\n\n"
+        "example: cadbem verify",
+    )
+    parser.add_argument("--full", action="store_true", help="the long checks as well, some minutes")
+    parser.set_defaults(command=_verify)
+
+
 def _info(options: argparse.Namespace) -> None:
     from cadbem.cad import inspect_cad
 
@@ -227,3 +242,14 @@ def _warmup(options: argparse.Namespace) -> None:
     if folder is not None:
         kept = f"the compiled code is kept in {folder}"
     print(f"{time.perf_counter() - start:.0f} s; {kept}")
+
+
+def _verify(options: argparse.Namespace) -> int:
+    from cadbem.script import text_table
+    from cadbem.verification import all_checks, run_checks
+    from cadbem.verification.report import HEAD, rows, summary
+
+    results = list(run_checks(all_checks(options.full)))
+    print(text_table(HEAD, rows(results)))
+    print(summary(results))
+    return 0 if all(result.passed for result in results) else CHECK_FAILED

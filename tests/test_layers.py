@@ -13,7 +13,8 @@ FLOORS = (
     {"operators"},
     {"problems"},
     {"suspension"},
-    {"results", "post", "warmup"},
+    {"post", "warmup"},
+    {"results", "verification"},
     {"script", "cli", "cli_report", "__init__", "__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
