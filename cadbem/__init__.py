@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cadbem.errors import CadWarning as CadWarning
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
+    from cadbem.errors import ResultsError as ResultsError
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
     from cadbem.extension import extended as extended
@@ -63,7 +64,11 @@ if TYPE_CHECKING:
     from cadbem.quadrature.closed import PolarRule as PolarRule
     from cadbem.quadrature.closed import SingularitySubtraction as SingularitySubtraction
     from cadbem.quadrature.options import Quadrature as Quadrature
-    from cadbem.script import fresh_folder as fresh_folder
+    from cadbem.results import RunFolder as RunFolder
+    from cadbem.results import StoredRun as StoredRun
+    from cadbem.results import open_run as open_run
+    from cadbem.results import render as render
+    from cadbem.results import run_folder as run_folder
     from cadbem.script import run as run
     from cadbem.script import text_table as text_table
     from cadbem.space import Field as Field
@@ -131,6 +136,7 @@ _NAMES = {
         "CadbemError",
         "ConditionError",
         "DisplayError",
+        "ResultsError",
         "SelectionError",
         "ShapeError",
     ),
@@ -175,7 +181,8 @@ _NAMES = {
     "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
     "operators.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
-    "script": ("fresh_folder", "run", "text_table"),
+    "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
+    "script": ("run", "text_table"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
     "spline.closed": (

@@ -31,3 +31,7 @@ class ShapeError(CadbemError):
 
 class SolverError(CadbemError):
     """An iteration did not converge."""
+
+
+class ResultsError(CadbemError):
+    """A run's folder cannot be written, read or gone on with."""

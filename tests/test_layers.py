@@ -6,7 +6,8 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
-    {"errors", "compiled"},
+    {"errors", "progress"},
+    {"compiled"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},
@@ -15,7 +16,8 @@ FLOORS = (
     {"suspension"},
     {"post", "warmup"},
     {"results", "verification"},
-    {"script", "cli", "cli_report", "__init__", "__main__"},
+    {"sweep"},
+    {"script", "cli", "__init__", "__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}

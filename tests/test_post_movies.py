@@ -14,16 +14,16 @@ from cadbem.post import (
     draw_scene,
     draw_trajectories,
     filmstrip,
-    write_frames,
 )
-from cadbem.post.bodies import body_colour, body_surface, legend_of, spread_points, time_labels
+from cadbem.post.bodies import body_colour, body_surface, legend_of
+from cadbem.post.frames import spread_points, time_labels
 from cadbem.post.palette import EXACT, Palette
 from cadbem.post.style import OPENING, PALETTE
 from cadbem.spline.closed_shapes import spline_circle, spline_sphere
 from cadbem.spline.outlines import circle, rectangle
 from cadbem.spline.shapes import sphere
 
-pyvista = pytest.importorskip("pyvista")
+pytest.importorskip("pyvista")
 PLACES = (None, 0.4, 0.8, 1.4)  # steps of 0.4 and 0.6
 SIZE = (300, 400)
 
@@ -155,21 +155,6 @@ def test_trajectories_in_space(tmp_path):
     assert np.ptp(across) / np.ptp(ports) == pytest.approx(0.75, abs=0.02)
 
 
-def test_files(tmp_path):
-    """Times and numbers come back, and the cells lie on the spheres; an empty frame is empty."""
-    both = {4: ball(0.5), 7: particle(sphere(0.2, (1.3, 0.5, 0.5)))}
-    path = write_frames(tmp_path / "a", [Frame(0.25, both), Frame(1.0, {})])
-    reader = pyvista.PVDReader(path)
-    assert reader.time_values == [0.25, 1.0]
-    grid = pyvista.read(tmp_path / "a" / "bodies_0000.vtu")
-    assert np.bincount(grid.cell_data["body"]).tolist()[4:] == [6 * 12, 0, 0, 6]
-    assert list(grid.field_data["names"]) == ["droplet 4", "particle 7"]
-    surface = grid.extract_surface(algorithm="dataset_surface", nonlinear_subdivision=2)
-    right = surface.points[surface.points[:, 0] > 0.9] - [1.3, 0.5, 0.5]
-    np.testing.assert_allclose(np.linalg.norm(right, axis=1), 0.2, atol=1e-6)
-    assert pyvista.read(tmp_path / "a" / "bodies_0001.vtu").n_cells == 0
-
-
 def test_surfaces():
     """Half of a particle's cells are dark; its corners and normals are those of the sphere."""
     surface = body_surface(1, particle(sphere()))
@@ -218,8 +203,6 @@ def test_mistakes(tmp_path):
         draw_scene(tmp_path / "s.png", box(), flat.shapes)
     with pytest.raises(CadbemError, match=r"m\.mp4: .*\.gif"):
         draw_movie(tmp_path / "m.mp4", box(), [solid])
-    with pytest.raises(ShapeError, match="write_frames is for 3D"):
-        write_frames(tmp_path, [flat])
     with pytest.raises(CadbemError, match="at least one path"):
         draw_trajectories(tmp_path / "t.png", box(), {})
     with pytest.raises(ShapeError, match="all be in 2D or all in 3D"):

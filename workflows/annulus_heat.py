@@ -39,6 +39,7 @@ def solve(degree: int, spans: int, tolerance: float) -> cb.HeatSolution:
 def main(
     output: str = "results/annulus_heat", finest: int = 32, tolerance: float = 1e-12
 ) -> cb.HeatSolution:
+    folder = cb.run_folder(output)
     radii = np.linspace(1.05, 1.95, 25)
     inside = np.outer(DIRECTION, radii)
     convergence = []
@@ -54,9 +55,9 @@ def main(
             print(f"{degree:6d}  {counts[-1]:6d}  {errors[-1]:23.2e}  {worst:20.2e}  {order}")
         convergence.append(Curve(counts, errors, f"degree {degree}", marks=True))
     print(f"heat that passes {solution.heat_rate('inner'):.12f}, exact {-SLOPE * np.pi / 2:.12f}")
+    folder.summary({"points": counts[-1], "mean error on sides (%)": errors[-1]})
 
-    if output:
-        folder = cb.fresh_folder(output)
+    if folder:
         fine = np.linspace(1, 2, 101)
         profile = [
             Curve(fine, exact(np.outer(DIRECTION, fine)), "exact"),

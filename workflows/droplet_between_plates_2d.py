@@ -8,6 +8,7 @@ changed at a time for the narrowest width; 'drift', droplets that start off the 
 adds all widths with the thesis's methods and numbers of points.
 """
 
+
 from pathlib import Path
 
 import numpy as np
@@ -57,7 +58,7 @@ def main(
     end: float = 8.0,
     parts: str = "widths resolution drift",
 ) -> Runs:
-    folder = cb.fresh_folder(output) if output else None
+    folder = cb.run_folder(output)
     case = (capillary, viscosity_ratio)
     wanted = sorted(map(float, widths.split()))
     made: Runs = {}
@@ -91,6 +92,8 @@ def main(
         made |= {("drift", y): run for y, run in runs.items()}
         if folder:
             draw_drift(folder, runs)
+    last = {" ".join(map(str, key)): run.deformation[-1] for key, run in made.items()}
+    folder.summary({f"D, {name}": value for name, value in last.items()})
     if folder:
         print(f"\nthe pictures are in {folder}")
     return made
@@ -116,7 +119,7 @@ def report_widths(runs: dict[float, cb.History], ratio: float) -> None:
     print(f"plates far away: (D / D free - 1) W² = {theory:.4f} for small Ca")
 
 
-def draw_widths(folder: Path, runs: dict[float, cb.History], ratio: float) -> None:
+def draw_widths(folder: cb.RunFolder, runs: dict[float, cb.History], ratio: float) -> None:
     """D over τ, its final values over W, shapes, and the narrowest width in motion."""
     curves = []
     for k, (width, run) in enumerate(runs.items()):
@@ -143,7 +146,7 @@ def draw_widths(folder: Path, runs: dict[float, cb.History], ratio: float) -> No
     draw_motion(folder, runs[bounded[0]])
 
 
-def draw_motion(folder: Path, run: cb.History) -> None:
+def draw_motion(folder: Path | cb.RunFolder, run: cb.History) -> None:
     """A movie, and a film strip."""
     channel = run.last.simulation.flow.problem.boundary
     frames = [cb.Frame(state.time, state.shapes) for state in run.states]
@@ -213,7 +216,7 @@ def report_drift(runs: dict[float, cb.History]) -> None:
     print(cb.text_table(head, rows))
 
 
-def draw_drift(folder: Path, runs: dict[float, cb.History]) -> None:
+def draw_drift(folder: cb.RunFolder, runs: dict[float, cb.History]) -> None:
     (first, *_) = runs.values()
     channel = first.last.simulation.flow.problem.boundary
     tracks = {f"from y = {start:g}": run.track()[1] for start, run in runs.items()}

@@ -87,6 +87,7 @@ def main(
     tolerance: float = 1e-4,
     end: float = 40.0,
 ) -> Branches:
+    folder = cb.run_folder(output)
     capillaries = np.arange(0.01, highest + 1e-9, step)
     branches = {
         name: branch(capillaries, viscosity_ratio, points, tolerance, end, **options)
@@ -94,8 +95,8 @@ def main(
     }
 
     report(capillaries, branches, viscosity_ratio, points)
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({"D": branches["ours, polar rule"][-1][0], "Ca": capillaries[-1]})
+    if folder:
         draw_plots(folder / "droplet_extension.png", [plot(capillaries, branches, viscosity_ratio)])
         last = branches["ours, polar rule"][-1][1]
         cb.draw_droplets(folder / "shape.png", [last.droplet.shape])

@@ -53,6 +53,7 @@ def ray_error(solution: cb.HeatSolution, direction: np.ndarray) -> float:
 
 
 def main(output: str = "results/hollow_sphere_heat", finest: int = 4) -> cb.HeatSolution:
+    folder = cb.run_folder(output)
     exchange = cb.SurfaceExchange(convection=1.0, radiation=1.0, ambient=1.0)
     counts, errors = [], []
     print("convection and radiation")
@@ -76,8 +77,8 @@ def main(output: str = "results/hollow_sphere_heat", finest: int = 4) -> cb.Heat
         order = f"{fitted_order(counts, errors):5.2f}" if len(counts) > 1 else ""
         print(f"{counts[-1]:6d}  {errors[-1]:11.1e}  {heat:9.1e}  {order}")
 
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({"points": counts[-1], "largest error on a ray": errors[-1]})
+    if folder:
         fine = np.linspace(1, 2, 101)
         computed = solution.temperature_at(np.outer(POLAR, RADII))
         profile = [

@@ -32,6 +32,7 @@ PARABOLOID = cb.Background(
 
 
 def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolution:
+    folder = cb.run_folder(output)
     # The traction of a moving sphere is constant, that of a turning one linear in position: both
     # lie in the span of the sphere's own functions, and the error is that of the integrals
     heading("moving and turning sphere", "shape", "degree", "points", "drag", "torque")
@@ -80,8 +81,10 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
         row(height, near.space.count, *(float(e) for e in reached / exact - 1))
 
     solution = solve(cb.sphere(), 4, 1, cb.RigidMotion((1.0, 0.0, 0.0)))
-    if output:
-        picture = cb.draw_around(solution, cb.fresh_folder(output) / "speed.png")
+    drag = solution.force("body")[0] / (-6 * pi)
+    folder.summary({"points": solution.space.count, "drag / 6πμaU": drag})
+    if folder:
+        picture = cb.draw_around(solution, folder / "speed.png")
         print(f"\nthe speed around the sphere is in {picture}")
     return solution
 

@@ -7,12 +7,12 @@ from pathlib import Path
 from warnings import warn
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.layouts import TOLERANCE
 from cadbem.cad.model import CadModel, open_model
 from cadbem.errors import CadError, CadWarning
+from cadbem.progress import progress
 
 OPEN = 1e-4  # |∮ n dS| / area above which patches do not enclose a volume
 ORDER = 8  # Gauss points a direction and element
@@ -88,7 +88,7 @@ def oriented(boundary: Boundary) -> Boundary:
 def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
     patches: list[Patch] = []
     refused: list[str] = []
-    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
+    for face in progress(model.faces, f"{model.file}: faces"):
         try:
             laid, deviation = model.patches(face, tolerance)
         except CadError as error:

@@ -1,14 +1,14 @@
 """Pictures and files of boundaries and flows."""
 
 from cadbem.post.bezier import bezier_grid
-from cadbem.post.bodies import Frame
 from cadbem.post.display import require_display
 from cadbem.post.droplets import draw_droplets, draw_outlines, write_droplets
 from cadbem.post.export import write_mesh, write_vtu
 from cadbem.post.fields import edge_lines, tessellated, wall_stresses
+from cadbem.post.frames import Frame
 from cadbem.post.movie import draw_movie, draw_scene, filmstrip
 from cadbem.post.run import draw_run
-from cadbem.post.series import write_frames
+from cadbem.post.series import write_channel, write_frame, write_frames, write_index
 from cadbem.post.trajectories import draw_trajectories
 from cadbem.post.view_around import draw_around
 from cadbem.post.view_boundary import draw_boundary, draw_collocation
@@ -38,7 +38,10 @@ __all__ = [
     "volume_grid",
     "wall_stresses",
     "write_droplets",
+    "write_channel",
+    "write_frame",
     "write_frames",
+    "write_index",
     "write_mesh",
     "write_vtu",
 ]

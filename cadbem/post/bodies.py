@@ -1,77 +1,25 @@
-"""Bodies in motion as pictures know them: frames, and what each body looks like."""
+"""What bodies look like in pictures."""
 
 from __future__ import annotations
 
 import colorsys
 from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
-from cadbem.errors import CadbemError, ShapeError
 from cadbem.post.droplets import tessellated_droplet
-from cadbem.post.fields import between, tessellated
+from cadbem.post.fields import tessellated
+from cadbem.post.frames import Frame, Shape
 from cadbem.post.style import PALETTE, WALL
-from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 
-Shape = ClosedSpline | Boundary
 CELLS = 12  # flat cells along a particle's patches, at least
-SPREAD = 4  # points a direction in each element, for the extent of things
 PALE = 0.72  # share of white in a particle's pale chequers
 LEGIBLE = 8  # bodies that a legend names one by one
-
-
-@dataclass(frozen=True, eq=False)
-class Frame:
-    """Bodies at a ``time``, by number: droplets are closed splines, rigid particles boundaries.
-
-    A number stands for one body in all frames, and for its colour; bodies may come and go.
-    """
-
-    time: float
-    shapes: Mapping[int, Shape]
-
-
-def require_frames(channel: Boundary | None, frames: Sequence[Frame]) -> int:
-    """Dimension of space, the same for the channel and all bodies.
-
-    Raises ``CadbemError`` when there is nothing to draw, ``ShapeError`` for two dimensions.
-    """
-    found = {} if channel is None else {channel.dimension: "the channel"}
-    for frame in frames:
-        for number, shape in frame.shapes.items():
-            found.setdefault(shape.dimension, f"body {number} at t = {frame.time:g}")
-    if not frames or not found:
-        raise CadbemError("nothing to draw: give at least one frame, and a channel or a body")
-    if len(found) > 1:
-        raise ShapeError(
-            f"{found[2]} is in 2D, {found[3]} in 3D: draw them in pictures of their own"
-        )
-    return next(iter(found))
-
-
-def extent_of(channel: Boundary | None, frames: Sequence[Frame]) -> Array:
-    """Points (dim, N) spread over everything at all times."""
-    shapes: list[Shape] = [] if channel is None else [channel]
-    shapes += [shape for frame in frames for shape in frame.shapes.values()]
-    return np.concatenate([spread_points(shape) for shape in shapes], axis=1)
-
-
-def spread_points(shape: Shape) -> Array:
-    """Points (dim, N) spread over a body or a channel."""
-    if isinstance(shape, ClosedSpline):
-        return shape.points()
-    points = []
-    for patch in shape.patches:
-        lines = [between(patch.surface.breaks(d), SPREAD) for d in range(shape.dimension - 1)]
-        lattice = np.meshgrid(*lines, indexing="ij")
-        points.append(patch.surface.evaluate(*[g.ravel() for g in lattice]))
-    return np.concatenate(points, axis=1)
 
 
 def body_name(number: int, shape: Shape) -> str:
@@ -105,13 +53,6 @@ def legend_of(frames: Sequence[Frame]) -> dict[str, str]:
         return {body_name(n, shapes[n]): body_colour(n) for n in sorted(shapes)}
     kinds = Counter(body_name(n, shape).split()[0] for n, shape in shapes.items())
     return {f"{n} {kind}{'s' * (n > 1)}": WALL for kind, n in sorted(kinds.items())}
-
-
-def time_labels(frames: Sequence[Frame]) -> list[str]:
-    """The frames' times with as many decimals as give the longest time three digits."""
-    longest = max(abs(frame.time) for frame in frames)
-    decimals = int(np.clip(2 - np.floor(np.log10(longest)), 0, 9)) if longest else 0
-    return [f"t = {frame.time:.{decimals}f}" for frame in frames]
 
 
 def body_surface(number: int, shape: Shape) -> Any:

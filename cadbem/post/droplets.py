@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.closed_points import ClosedGrid
 from cadbem.errors import ShapeError
 from cadbem.post.bezier import bezier_grid
+from cadbem.post.body_fields import BodyField, control_values
 from cadbem.post.display import load_pyvista
 from cadbem.post.export import prepared, write_vtu
 from cadbem.post.layout import Size, add_axes, aim, flow_views, panel, sheet, strip
@@ -108,12 +108,14 @@ def write_droplets(
     """
     for spline in splines:
         _require(spline, 3)
-    patches = [Patch(s.patch(), "droplet", i + 1) for i, s in enumerate(splines)]
+    boundary = Boundary(tuple(Patch(s.patch(), "droplet", i + 1) for i, s in enumerate(splines)))
     columns = {
-        name: _PatchCoefficients([_as_patch(s, c) for s, c in zip(splines, values, strict=True)])
+        name: BodyField(
+            boundary, [control_values(s, c)[0] for s, c in zip(splines, values, strict=True)]
+        )
         for name, values in (fields or {}).items()
     }
-    return write_vtu(path, bezier_grid(Boundary(tuple(patches)), columns))
+    return write_vtu(path, bezier_grid(boundary, columns))
 
 
 def knots(basis: ClosedBasis) -> list[Array]:
@@ -157,22 +159,6 @@ def tessellated_droplet(spline: ClosedSpline, field: Array | None = None) -> Any
     surface.point_data["value"] = near.curvature / 2 if field is None else exact.values(field)
     surface.point_data["Normals"] = near.normal.T
     return surface
-
-
-@dataclass(frozen=True, eq=False)
-class _PatchCoefficients:
-    """A field on patches by its control values (components, n_u, n_v) on each."""
-
-    values: Sequence[Array]
-
-    def patch_coefficients(self, index: int) -> Array:
-        return self.values[index]
-
-
-def _as_patch(spline: ClosedSpline, coefficients: Array) -> Array:
-    """Control values (components, n_u, n_v) on the patch of a spline."""
-    full = coefficients.reshape(-1, *spline.basis.shape)
-    return np.moveaxis(spline.patch(full).points, -1, 0)
 
 
 def _require(spline: ClosedSpline, dimension: int) -> None:

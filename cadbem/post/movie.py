@@ -12,8 +12,8 @@ from tqdm import tqdm
 
 from cadbem.boundary import Boundary
 from cadbem.errors import CadbemError
-from cadbem.post.bodies import Frame, Shape, require_frames, time_labels
 from cadbem.post.export import prepared
+from cadbem.post.frames import Frame, Shape, require_frames, time_labels
 from cadbem.post.layout import Size
 from cadbem.post.palette import Palette
 from cadbem.post.plane_scenes import plane_camera, plane_still

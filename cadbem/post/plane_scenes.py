@@ -10,7 +10,8 @@ import numpy as np
 from PIL import Image
 
 from cadbem.boundary import Boundary
-from cadbem.post.bodies import Frame, Shape, body_colour, extent_of, legend_of, pale
+from cadbem.post.bodies import body_colour, legend_of, pale
+from cadbem.post.frames import Frame, Shape, extent_of
 from cadbem.post.layout import Size
 from cadbem.post.plane import SAMPLES, add_legend, add_plane_channel, along_curve, plane_figure
 from cadbem.post.style import INK

@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from cadbem.boundary import Boundary
-from cadbem.post.bodies import Frame
+from cadbem.post.frames import Frame
 from cadbem.post.movie import draw_movie, filmstrip
 from cadbem.post.series import write_frames
 from cadbem.post.trajectories import draw_trajectories
@@ -33,5 +33,5 @@ def draw_run(
         ),
     ]
     if run.states[0].bodies[0].dimension == 3:
-        made.append(write_frames(place / f"{name}_frames", frames))
+        made.append(write_frames(place / f"{name}_frames", frames, channel))
     return made

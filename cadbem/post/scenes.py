@@ -11,7 +11,8 @@ import numpy as np
 from PIL import Image
 
 from cadbem.boundary import Boundary
-from cadbem.post.bodies import Frame, body_surface, extent_of, legend_of, spread_points
+from cadbem.post.bodies import body_surface, legend_of
+from cadbem.post.frames import Frame, extent_of, spread_points
 from cadbem.post.layout import (
     Size,
     View,

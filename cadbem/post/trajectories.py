@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
 from cadbem.errors import CadbemError, ShapeError
-from cadbem.post.bodies import body_colour, spread_points
+from cadbem.post.bodies import body_colour
 from cadbem.post.export import prepared
+from cadbem.post.frames import spread_points
 from cadbem.post.layout import Size, axes_by_length
 from cadbem.post.plane import add_legend, add_plan, add_plane_channel, plane_figure
 from cadbem.post.style import BACKGROUND

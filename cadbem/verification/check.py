@@ -6,9 +6,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from math import isfinite, nan
 
-from tqdm import tqdm
-
 from cadbem.errors import CadbemError
+from cadbem.progress import progress
 
 
 @dataclass(frozen=True)
@@ -62,8 +61,7 @@ class Result:
 
 def run_checks(checks: Iterable[Check]) -> Iterator[Result]:
     """Run one check after the other, with a progress bar."""
-    chosen = list(checks)
-    with tqdm(chosen, desc="checks", delay=2.0, leave=False, disable=None) as bar:
-        for check in bar:
-            bar.set_postfix_str(f"{check.place}: {check.what}"[:50])
-            yield check.run()
+    bar = progress(list(checks), "checks")
+    for check in bar:
+        bar.set_postfix_str(f"{check.place}: {check.what}"[:50])
+        yield check.run()
