@@ -23,6 +23,8 @@ templates_path = ["_templates"]
 html_theme = "furo"
 html_title = f"cadbem {version}"
 html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["math.css"]
 myst_enable_extensions = ["dollarmath"]
 myst_heading_anchors = 3
 autosummary_ignore_module_all = False
@@ -30,7 +32,7 @@ autodoc_typehints = "none"
 autodoc_preserve_defaults = True
 default_role = "code"
 smartquotes = False
-suppress_warnings = ["toc.empty_glob"]
+suppress_warnings = ["toc.not_readable"]  # no gallery before its pictures are made
 
 
 def setup(app: Sphinx) -> None:

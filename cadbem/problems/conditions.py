@@ -37,7 +37,7 @@ class Inflow:
 
     In a plane it is the flow between parallel plates.  Give either ``mean_velocity``
     (length/time) or ``flow_rate`` (volume/time; area/time in a plane), positive into the fluid.
-     Raises ``ConditionError`` when both or none are given.
+    Raises ``ConditionError`` when both or none are given.
     """
 
     mean_velocity: float | None = None
