@@ -91,7 +91,7 @@ def test_droplet_extension(tmp_path):
     """Steady D to second order in Ca; the third order is about 24 Ca³ at λ = 10."""
     options = ["--points", "50", "--highest", "0.01", "--tolerance", "1e-3"]
     branches = cb.run(droplet_extension.main, ["-o", str(tmp_path), *options])
-    expected = droplet_extension.theory(0.01, 10.0, 2)
+    expected = droplet_extension.extension(0.01, 10.0, 2)
     assert expected == pytest.approx(1.75568181818 * 0.01 + 3.85597924157 * 1e-4, rel=1e-10)
     found = branches["ours, polar rule"][0][0]
     assert found == pytest.approx(expected, abs=5e-5)

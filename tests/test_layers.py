@@ -15,7 +15,7 @@ FLOORS = (
     {"problems"},
     {"suspension"},
     {"post", "warmup", "design"},
-    {"results"},
+    {"results", "verification"},
     {"sweep"},
     {"script", "__init__"},
     {"cli"},

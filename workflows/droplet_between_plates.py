@@ -19,6 +19,8 @@ import cadbem as cb
 from cadbem.boundary import Boundary, Patch
 from cadbem.post.plots import Curve, Plot, draw_plots
 from cadbem.spline.shapes import parallelogram
+from cadbem.verification.plates import between_plates
+from cadbem.verification.theory import shapira_haber
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
     "drop_3d_between_plates_Ca0.2_lambda1_RW0.8"
@@ -31,29 +33,6 @@ PLATE = {"side": 12.0, "spans": 8, "rings": 2}  # the side in W; elements across
 EVERY = 0.1  # τ between states that are kept
 Runs = dict[tuple, cb.History]
 Keep = Callable[[cb.Simulation, float, float], Iterator[cb.State]]
-
-
-def between_plates(half_width: float, side: float, spans: int, rings: int) -> cb.ChannelFlow:
-    """Shear flow between plates of a ``side`` in half widths, with ``spans`` elements a side of
-    their middle, and ``rings`` outwards."""
-    middle = max(3.5, 2 * half_width)
-    square = cb.plate(middle, side * half_width, degree=2, spans=spans, rings=rings)
-    heights = {"plate_low": -half_width, "plate_high": half_width}
-    patches = [
-        Patch(surface.transformed(np.eye(3), np.array([0.0, 0.0, z])), name)
-        for name, z in heights.items()
-        for surface in square
-    ]
-    speeds = {name: cb.Velocity((z, 0.0, 0.0)) for name, z in heights.items()}
-    shear = cb.Background(lambda x: np.stack([x[2], 0 * x[0], 0 * x[0]]))
-    boundary = Boundary(tuple(patches))
-    return cb.ChannelFlow(cb.StokesProblem(boundary, 1.0, speeds, cb.Quadrature(1e-4), shear))
-
-
-def shapira_haber(capillary: float, ratio: float, confinement: float) -> float:
-    """D = D_Taylor [1 + C_s (1 + 2.5λ) / (1 + λ) (R / d)³], d = 2 W, midway, for small Ca."""
-    taylor = capillary * (19 * ratio + 16) / (16 * ratio + 16)
-    return taylor * (1 + 5.69961743634 * (1 + 2.5 * ratio) / (1 + ratio) * (confinement / 2) ** 3)
 
 
 def simulate(

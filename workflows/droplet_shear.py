@@ -15,6 +15,7 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.verification.theory import cox
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
     "drop_3d_shear_Ca0.2_lambda1"
@@ -30,11 +31,6 @@ PRINTED = {
 
 Runs = dict[tuple, cb.History]
 Keep = Callable[[cb.Simulation, float, float], Iterator[cb.State]]
-
-
-def cox(capillary: float, ratio: float) -> float:
-    """Steady D for small deformation (Eq. 4.7); at Ca = 0.2, λ = 1 it is 3.7 % too low."""
-    return 1.25 * (19 * ratio + 16) / ((ratio + 1) * np.hypot(20 / capillary, 19 * ratio))
 
 
 def simulate(

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots, fitted_order
-from cadbem.spline.shapes import sphere
+from cadbem.verification.heat import hollow_sphere
 
 HEAT = brentq(lambda c: c / 4 - (1 - c / 2) - ((2 - c / 2) ** 4 - 1), 0.0, 4.0, xtol=1e-15)
 RADII = np.linspace(1.05, 1.95, 25)
@@ -34,18 +34,11 @@ def uneven_flux(points: np.ndarray) -> np.ndarray:
     return -(points / 2 * (points - INSIDE_HOLE)).sum(axis=0) * uneven(points) ** 3
 
 
-def hollow_sphere(spans: int) -> cb.Boundary:
-    """Twelve patches without poles, normals into the body."""
-    inner = [cb.Patch(s, "inner") for s in sphere(1.0)]
-    outer = [cb.Patch(s, "outer") for s in sphere(2.0, inwards=True)]
-    return cb.Boundary((*inner, *outer)).refined(spans)
-
-
 def solve(
     spans: int, tolerance: float, inner: cb.Temperature, outer: cb.HeatFlux | cb.SurfaceExchange
 ) -> cb.HeatSolution:
     problem = cb.HeatProblem(
-        hollow_sphere(spans),
+        hollow_sphere().refined(spans),
         conductivity=1.0,
         conditions={"inner": inner, "outer": outer},
         quadrature=cb.Quadrature(tolerance),

@@ -13,13 +13,13 @@ from typing import Any
 
 from cadbem import __version__
 from cadbem.cli.files import add_info, add_view
-from cadbem.cli.machine import add_warmup
+from cadbem.cli.machine import add_verify, add_warmup
 from cadbem.cli.parser import INTERRUPTED, USER_MISTAKE, Options, Parser
 from cadbem.cli.runs import add_render, add_resume, add_run, add_sweep
 from cadbem.errors import CadbemError, CadWarning
 from cadbem.progress import QUIET
 
-PARTS = (add_info, add_view, add_run, add_resume, add_render, add_sweep, add_warmup)
+PARTS = (add_info, add_view, add_run, add_resume, add_render, add_sweep, add_warmup, add_verify)
 EPILOG = """\
 a first hour:
   cadbem info chip.step                     what is in the file, and can it be solved?

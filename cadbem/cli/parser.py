@@ -9,7 +9,7 @@ from typing import Any, NoReturn
 
 from cadbem.errors import CadbemError
 
-USER_MISTAKE, INTERRUPTED = 2, 130
+CHECK_FAILED, USER_MISTAKE, INTERRUPTED = 1, 2, 130
 Commands = argparse._SubParsersAction
 Options = argparse.Namespace
 
