@@ -55,7 +55,6 @@ if TYPE_CHECKING:
     from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
     from cadbem.post import draw_paths as draw_paths
-    from cadbem.post import draw_run as draw_run
     from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_series as draw_series
     from cadbem.post import draw_slices as draw_slices
@@ -185,7 +184,6 @@ _NAMES = {
         "draw_movie",
         "draw_outlines",
         "draw_paths",
-        "draw_run",
         "draw_scene",
         "draw_series",
         "draw_slices",

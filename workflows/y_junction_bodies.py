@@ -158,8 +158,7 @@ def draw(folder: cb.RunFolder, runs: dict[str, cb.History]) -> None:
         folder / "distance.png",
         [Plot("x of the centre", "distance from the centreline", curves)],
     )
-    for kind, run in runs.items():
-        cb.draw_run(folder, channel, run, kind)
+    cb.render(folder)
     if "droplet" in runs:
         cb.draw_droplets(folder / "final_shape.png", [runs["droplet"].last.droplet.shape])
 

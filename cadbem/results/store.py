@@ -121,7 +121,7 @@ class Store:
                 write_boundary(place.create_group("channel"), flow.problem.boundary)
             for number, body in zip(start.numbers, start.bodies, strict=True):
                 write_rest(place.create_group(f"body_{number}"), Rest.of(body))
-        if isinstance(flow, ChannelFlow) and flow.problem.boundary.dimension == 3:
+        if isinstance(flow, ChannelFlow):
             write_channel(self.folder / PARAVIEW, flow.problem.boundary)
         write_whole(self.folder / ASKED, (json.dumps(asked, indent=1) + "\n").encode())
 
@@ -137,9 +137,8 @@ class Store:
         with Writing(frame_file(self.folder, index)) as place:
             write_state(place, state)
             write_fields(place, frame.fields)
-        if state.bodies[0].dimension == 3:
-            write_frame(self.folder / PARAVIEW, index, frame)
-            write_index(self.folder / PARAVIEW, times)
+        write_frame(self.folder / PARAVIEW, index, frame)
+        write_index(self.folder / PARAVIEW, times)
         heads = progress.columns or columns(work)
         rows = [run_row(work, progress.seconds)], body_rows(work)
         sizes = []
