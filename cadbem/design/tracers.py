@@ -159,7 +159,7 @@ class _Flow:
         return Enclosure(self.solution.space.boundary)
 
     def in_walls(self, points: Array, reach: float) -> NDArray[np.bool_]:
-        """Which points (dim, M) lie neither in the fluid nor behind an opening, but within reach."""
+        """Which points (dim, M) within reach lie neither in the fluid nor behind an opening."""
         outside = self._enclosure.clearance(points, reach).distance < -STUCK * self.width
         for opening in self.ports:
             outside &= ~self.behind(points, opening)
