@@ -38,7 +38,7 @@ _KINDS: dict[str, tuple[Dimension, str, str, str]] = {
     "resistance": ((-4, 1, -1), "a pressure per flow rate", "2 Pa min/uL", "Pa*min/uL"),
 }
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\*?\s*(.*)", re.DOTALL)
-_POWER = re.compile(r"(?<=[A-Za-zµμ])(-?\d)")  # m3, s-1
+_POWER = re.compile(r"(?<=[A-Za-zµμ])(-?\d+)(?![A-Za-z\d])")  # m3, s-1, not H2O
 MANY = 1e-9  # relative difference at which two units are not the same
 
 

@@ -17,9 +17,7 @@ PLANE = 12 * 3.0 * 2.0 / 0.5**3  # 12 μ L / h³ of test_stokes_2d's channel, wi
 
 def plane_channel(**options) -> cb.Network:
     boundary = channel().elevated(2).refined(size=0.2)
-    return cb.hydraulic_network(
-        boundary, 3.0, ["inlet", "outlet"], cb.Quadrature(1e-9), **options
-    )
+    return cb.hydraulic_network(boundary, 3.0, ["inlet", "outlet"], cb.Quadrature(1e-9), **options)
 
 
 @pytest.fixture(scope="module")
@@ -120,9 +118,7 @@ def test_other_data_of_the_same_kinds():
     """Δp = 12 μ U L / h², for U from 2 to 5 with the same matrix."""
     boundary = channel().elevated(2).refined(size=0.2)
     ends = {"inlet": cb.Inflow(mean_velocity=2.0), "outlet": cb.Pressure(0.0)}
-    problem = cb.StokesProblem(
-        boundary, 3.0, {**ends, "walls": cb.NoSlip()}, cb.Quadrature(1e-9)
-    )
+    problem = cb.StokesProblem(boundary, 3.0, {**ends, "walls": cb.NoSlip()}, cb.Quadrature(1e-9))
     other = problem.with_data({"inlet": cb.Inflow(mean_velocity=5.0)})
     assert other.system.factors is problem.system.factors
     for chosen, speed in ((other, 5.0), (problem, 2.0)):

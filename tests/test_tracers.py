@@ -36,6 +36,7 @@ def test_plane_poiseuille(plane):
     exact = 1.9 / (3 * (1 - (4 * y[:3]) ** 2))
     assert tracers.times[:3] == pytest.approx(exact, rel=1e-6)
     assert tracers.times[3] == pytest.approx(20.0)
+    assert tracers.ended[2:] == ("left through 'outlet'", "still inside at the time limit")
     assert tracers.left.tolist() == [True] * 3 + [False]
     for path, moments, start in zip(tracers.paths, tracers.moments, y, strict=True):
         assert path.shape == (2, len(moments))
@@ -88,5 +89,10 @@ def test_mistakes(plane):
         cb.inlet_starts(plane, "outlet")
     with pytest.raises(cb.ConditionError, match=r"give points \(2, N\)"):
         cb.trace(plane, [[0.0], [0.0], [0.0]])
+    for y in (0.3, 9.0):
+        with pytest.raises(cb.ConditionError, match=rf"starts at \(0, {y:g}\), outside the fluid"):
+            cb.trace(plane, [[0.0], [y]])
+    with pytest.raises(cb.UnitsError, match="time_limit: '1 mm' is a length; give a time"):
+        cb.trace(plane, [[0.0], [0.1]], time_limit=cb.Units()("1 mm"))
     with pytest.raises(cb.SelectionError, match="no face is named 'drain'"):
         cb.inlet_starts(plane, "drain")

@@ -8,7 +8,7 @@ the outer fluid's viscosity start in the stem at several distances from its axis
 Prints through which opening each droplet left and when, its largest Taylor deformation D and the
 narrowest gap that it had, where that was narrow; the last column says where a tracer of the same
 start goes.  Near the dividing surface droplets are driven against the wall opposite the stem; a
-short-range pressure keeps them 20 um off it, for so few points do not resolve the film there.
+short-range pressure, from 20 um on, keeps them off it, for so few points do not resolve the film.
 Draws the paths.
 """
 

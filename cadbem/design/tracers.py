@@ -23,6 +23,7 @@ from cadbem.progress import progress
 from cadbem.quadrature import Quadrature
 from cadbem.spline.basis import Array
 from cadbem.suspension.stepping import dormand_prince
+from cadbem.units import check
 
 STRIDE = 0.5  # longest step, in widths of the narrowest opening
 PATIENCE = 200.0  # default time limit, in mean residence times V / Q
@@ -37,15 +38,15 @@ ACCURACY = 1e-4  # of the velocity, relative
 class Tracers:
     """N tracers that have been followed: their ``paths``, arrays (dim, n), at the ``moments`` (n,).
 
-    ``openings`` (N names) through which they left; "" for those that had not when the time was
-    over, or that ran into a wall: near walls, where the fluid is almost at rest, the computed flow
-    may lead there.  ``flow_rates`` (N,) is what
-    each stands for.
+    ``openings`` (N names) through which they left, "" for those that did not; ``ended`` (N texts)
+    says why each is followed no further.  Near walls, where the fluid is almost at rest, the
+    computed flow may lead into a wall.  ``flow_rates`` (N,) is what each stands for.
     """
 
     paths: tuple[Array, ...]
     moments: tuple[Array, ...]
     openings: tuple[str, ...]
+    ended: tuple[str, ...]
     flow_rates: Array
 
     @property
@@ -91,8 +92,10 @@ def trace(
 
     ``time_limit``, by default 200 V / Q with the volume V and the flow rate Q, ends those that do
     not.  ``tolerance`` bounds the error of each step relative to the narrowest opening's width.
-    Raises ``ConditionError`` when there is no opening, or starts have another dimension.
+    Raises ``ConditionError`` when there is no opening, for starts outside the fluid or of another
+    dimension; ``UnitsError`` for a limit that is no time.
     """
+    check("time_limit", time_limit, "time")
     if not isinstance(starts, Starts):
         points = np.asarray(starts, dtype=float)
         starts = Starts(points, np.ones(points.shape[-1]))
@@ -102,11 +105,15 @@ def trace(
             f"starts have shape {starts.points.shape}; give points "
             f"({solution.space.boundary.dimension}, N)"
         )
+    outside = flow.in_walls(starts.points, np.inf)
+    if outside.any():
+        place = ", ".join(f"{x:.4g}" for x in starts.points[:, int(outside.argmax())])
+        raise ConditionError(f"a tracer starts at ({place}), outside the fluid; move it inside")
     march = _March(flow, flow.turnover * PATIENCE if time_limit is None else time_limit, tolerance)
     march.follow(starts.points)
     return Tracers(
         tuple(np.array(p).T for p in march.paths), tuple(map(np.array, march.moments)),
-        tuple(march.openings), starts.flow_rates,
+        tuple(march.openings), tuple(march.ended), starts.flow_rates,
     )  # fmt: skip
 
 
@@ -135,33 +142,35 @@ class _Flow:
     def turnover(self) -> float:
         """V / Q."""
         entering = sum(max(self.solution.flow_rate(p.name), 0.0) for p in self.ports)
+        if not entering:
+            raise ConditionError("nothing flows in through openings; give trace a time_limit")
         return self.solution.space.boundary.volume() / entering
 
-    def beyond(self, points: Array, opening: Port) -> tuple[NDArray[np.bool_], Array]:
-        """Which points (dim, M) lie behind an opening, and their height (M,) before its plane."""
+    def behind(self, points: Array, opening: Port) -> NDArray[np.bool_]:
+        """Which points (dim, M) lie behind an opening, as far as its size."""
         arm = points - opening.centre[:, None]
         height = opening.normal @ arm
         aside = np.linalg.norm(arm - opening.normal[:, None] * height, axis=0)
         radius = np.linalg.norm(opening.outline - opening.centre[:, None], axis=0).max()
-        return (height < 0) & (height > -2 * radius) & (aside <= radius), height
+        return (height < 0) & (height > -2 * radius) & (aside <= radius)
 
     @cached_property
     def _enclosure(self) -> Enclosure:
         return Enclosure(self.solution.space.boundary)
 
-    def in_walls(self, points: Array) -> NDArray[np.bool_]:
-        """Which points (dim, M) lie neither in the fluid nor behind an opening."""
-        outside = self._enclosure.clearance(points, self.width).distance < -STUCK * self.width
+    def in_walls(self, points: Array, reach: float) -> NDArray[np.bool_]:
+        """Which points (dim, M) within reach lie neither in the fluid nor behind an opening."""
+        outside = self._enclosure.clearance(points, reach).distance < -STUCK * self.width
         for opening in self.ports:
-            outside &= ~self.beyond(points, opening)[0]
+            outside &= ~self.behind(points, opening)
         return outside
 
     def __call__(self, points: Array) -> Array:
         """Velocity (dim, M)."""
         inside = points.copy()
         for opening in self.ports:
-            behind, height = self.beyond(points, opening)
-            inside[:, behind] -= opening.normal[:, None] * height[behind]
+            height = opening.normal @ (points - opening.centre[:, None])
+            inside -= opening.normal[:, None] * np.where(self.behind(points, opening), height, 0.0)
         return self.solution.velocity_at(inside, Quadrature(ACCURACY))
 
 
@@ -192,11 +201,13 @@ class _March:
     paths: list[list[Array]] = field(default_factory=list)
     moments: list[list[float]] = field(default_factory=list)
     openings: list[str] = field(default_factory=list)
+    ended: list[str] = field(default_factory=list)
 
     def follow(self, points: Array) -> None:
         count = points.shape[1]
         self.paths = [[p] for p in points.T]
         self.moments, self.openings = [[0.0] for _ in range(count)], [""] * count
+        self.ended = [f"still inside after {STEPS} steps"] * count
         zero = np.zeros(count)
         now = _Steps(np.arange(count), zero, points, self.flow(points), zero + self.limit)
         with progress(total=count, label="tracers") as bar:
@@ -214,7 +225,7 @@ class _March:
         step = dormand_prince(self.flow, now.position, now.velocity, length)
         assert step.slope is not None
         error = np.linalg.norm(step.error, axis=0) / (self.tolerance * self.flow.width)
-        outside = self.flow.in_walls(step.state)
+        outside = self.flow.in_walls(step.state, self.flow.width)
         done = (error <= 1) & ~outside
         factor = np.clip(0.9 * np.maximum(error, 1e-12) ** -0.2, 0.2, 5.0)
         after = _Steps(
@@ -225,20 +236,24 @@ class _March:
             length * np.where(outside, np.minimum(factor, 0.25), factor),
         )
         gone = self._advanced(now.only(done), after.only(done))
+        left = np.isin(now.who, gone)
         held = ~done & (after.length * speed < STUCK * self.flow.width)
-        over = after.time >= self.limit * (1 - 1e-12)
-        return after.only(~(np.isin(now.who, gone) | held | over))
+        over = ~left & (after.time >= self.limit * (1 - 1e-12))
+        for which, why in ((held, "ran into a wall"), (over, "still inside at the time limit")):
+            for i in now.who[which]:
+                self.ended[i] = why
+        return after.only(~(left | held | over))
 
     def _advanced(self, before: _Steps, after: _Steps) -> NDArray[np.int64]:
         """Write down where steps went; the tracers that left in them."""
         share, gone = np.ones(len(before.who)), np.zeros(len(before.who), dtype=bool)
         for opening in self.flow.ports:
-            out = self.flow.beyond(after.position, opening)[0] & ~gone
+            out = self.flow.behind(after.position, opening) & ~gone
             out &= opening.normal @ after.velocity < 0
             share[out] = _crossing(before.only(out), after.only(out), opening)
             gone |= out
             for i in before.who[out]:
-                self.openings[i] = opening.name
+                self.openings[i], self.ended[i] = opening.name, f"left through '{opening.name}'"
         for part in PARTS:
             times = before.time + part * share * (after.time - before.time)
             positions = _between(before, after, part * share).T
