@@ -1,4 +1,4 @@
-"""Makes docs/gallery.md and its pictures, docs/pictures/gallery_*: some minutes.
+"""Makes docs/gallery.md and its pictures, docs/pictures/gallery_*: 5 to 10 minutes.
 
     python docs/gallery.py                   everything
     python docs/gallery.py faces flow ...    some pictures, and the page
