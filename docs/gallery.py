@@ -1,4 +1,4 @@
-"""Makes docs/gallery.md and its pictures, docs/pictures/gallery_*: some minutes.
+"""Makes docs/gallery.md and its pictures, docs/pictures/gallery_*: 5 to 10 minutes.
 
     python docs/gallery.py                   everything
     python docs/gallery.py faces flow ...    some pictures, and the page
@@ -156,7 +156,7 @@ def passage():
     channel = cb.read_cad("geometries/constriction.step")
     ends = {"inlet": cb.Inflow(mean_velocity=1.0), "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
     flow = cb.ChannelFlow(cb.StokesProblem(channel.elevated(2).refined(size=0.4), 1.0, ends))
-    drop = cb.Droplet(cb.spline_sphere(0.36, (-2.5, 0, 0), points=200), cb.SurfaceTension(20.0))
+    drop = cb.Droplet(cb.spline_sphere(0.36, (-2.5, 0, 0), points=128), cb.SurfaceTension(20.0))
     run = cb.record(cb.Simulation(flow, drop).run(10.0, every=0.05))
     frames = [cb.Frame(state.time, state.shapes) for state in run.states]
     cb.draw_movie("passage.gif", channel, frames, colour="mean curvature")
@@ -174,7 +174,7 @@ def junction():
     channel = cb.read_cad("geometries/y_junction.step")
     ends = {name: cb.Inflow(mean_velocity=3.0) for name in ("inlet_a", "inlet_b")}
     ends |= {"outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
-    flow = cb.ChannelFlow(cb.StokesProblem(channel.elevated(2).refined(3), 1.0, ends))
+    flow = cb.ChannelFlow(cb.StokesProblem(channel.elevated(2).refined(2), 1.0, ends))
     drop = cb.Droplet(cb.spline_sphere(0.8, (2.8, 2.4, 2), points=72), cb.SurfaceTension(20.0))
     ball = cb.rigid_sphere(0.6, (2.6, 11.5, 2))
     run = cb.record(cb.Simulation(flow, [drop, ball]).run(2.2, every=0.05))

@@ -416,7 +416,7 @@ def test_interrupted_run_says_how_to_go_on_and_does(droplet_script, tmp_path, ca
     assert (np.diff(run.body_table["deformation"]) > 0).all()
     assert main(["render", str(folder)]) == 0
     drawn = {Path(line).name for line in capsys.readouterr().out.splitlines()}
-    assert drawn == {"movie.mp4", "movie.gif", "filmstrip.png", "series.png"}  # it stays where it is
+    assert drawn == {"movie.mp4", "movie.gif", "filmstrip.png", "series.png"}
 
 
 def test_run_that_cannot_go_on(tmp_path, capsys):

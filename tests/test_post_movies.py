@@ -191,6 +191,16 @@ def test_palette_keeps_frequent_colours():
     assert np.abs(result.astype(int) - shades).max() <= 4
 
 
+def test_palette_keeps_a_scale():
+    """A rare scale of 64 shades of red survives beside 4096 more frequent greens and blues."""
+    reds = np.stack([np.arange(0, 256, 4), *np.zeros((2, 64))], axis=1).astype(np.uint8)
+    others = np.indices((64, 64)).reshape(2, -1).T * 4
+    crowd = np.repeat(np.hstack([0 * others[:, :1], others]), 3, axis=0).astype(np.uint8)
+    image = Image.fromarray(np.concatenate([reds, crowd])[None])
+    result = np.asarray(Palette.of([image], reds).applied(image).convert("RGB"))[0, :64]
+    assert np.abs(result.astype(int) - reds).max() <= 4
+
+
 def test_mistakes(tmp_path):
     flat, solid = Frame(0.0, {1: droplet(0.5)}), Frame(2.0, {3: ball(0.5)})
     with pytest.raises(CadbemError, match="at least one frame"):

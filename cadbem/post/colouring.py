@@ -70,6 +70,10 @@ class Colouring:
         surface.point_data.active_normals_name = "Normals"
         return surface
 
+    def scale(self, count: int) -> NDArray[np.uint8]:
+        """Colours (count, 3) from end to end."""
+        return self.colours(np.linspace(*self.limits, count))
+
     def colours(self, values: Array) -> NDArray[np.uint8]:
         """Red, green and blue (N, 3) of values (N,)."""
         share = (np.asarray(values) - self.limits[0]) / (self.limits[1] - self.limits[0])

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image
 
 from cadbem.errors import CadbemError
@@ -21,11 +22,13 @@ QUALITY = 7  # of 10, of MP4: lines and letters stay sharp
 
 @dataclass(frozen=True, eq=False)
 class Shots:
-    """``count`` pictures that are taken when they are asked for, for the movie ``name``."""
+    """``count`` pictures that are taken when they are asked for, for the movie ``name``; colours
+    (n, 3) of the ``scale`` in them, if there is one, which a GIF has to keep."""
 
     name: str
     count: int
     take: Callable[[int], Image.Image]
+    scale: NDArray[np.uint8] | None = None
 
     def __iter__(self) -> Iterator[Image.Image]:
         return map(self.take, progress(range(self.count), self.name))
@@ -54,7 +57,7 @@ def encoder(target: Path) -> Callable[[Path, Shots], None]:
 
 def _write_gif(target: Path, shots: Shots) -> None:
     last = shots.count - 1
-    palette = Palette.of([shots.take(k) for k in sorted({0, (last + 1) // 2, last})])
+    palette = Palette.of([shots.take(k) for k in sorted({0, (last + 1) // 2, last})], shots.scale)
     images = map(palette.applied, shots)
     first = next(images)
     times = [PACE] * last + [REST]

@@ -21,6 +21,7 @@ from cadbem.post.style import UnitNames
 from cadbem.spline.basis import Array
 
 Limits = tuple[float, float]
+SHADES = 64  # of a colour bar that a GIF tells apart
 
 
 def draw_scene(
@@ -83,7 +84,8 @@ def draw_movie(
     )
     labels = time_labels(frames, "" if units is None else units.time)
     with taking as picture:
-        shots = Shots(target.name, len(frames), lambda k: picture(frames[k], labels[k]))
+        scale = None if colouring is None else colouring.scale(SHADES)
+        shots = Shots(target.name, len(frames), lambda k: picture(frames[k], labels[k]), scale)
         write(prepared(target), shots)
     return target
 

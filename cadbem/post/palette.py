@@ -23,16 +23,18 @@ class Palette:
     places: NDArray[np.uint8]
 
     @staticmethod
-    def of(images: Sequence[Image.Image]) -> Palette:
-        """The most frequent colours, and others wherever there are colours: a small body has as
-        many shades as a large one."""
+    def of(images: Sequence[Image.Image], scale: NDArray[np.uint8] | None = None) -> Palette:
+        """The most frequent colours, those of a colour ``scale`` (n, 3), and others wherever there
+        are colours: a small body has as many shades as a large one."""
+        kept = np.empty((0, 3), dtype=np.uint8) if scale is None else scale
         pixels = np.concatenate([np.asarray(image).reshape(-1, 3) for image in images])
         codes = pixels @ np.array([65536, 256, 1])
         found, counts = np.unique(codes, return_counts=True)
         ranked = found[np.argsort(-counts, kind="stable")]
         ranked = np.stack([ranked >> 16, ranked >> 8 & 255, ranked & 255], 1).astype(np.uint8)
-        others = Image.fromarray(ranked[None]).quantize(COUNT - EXACT).getpalette() or []
-        colours = np.concatenate([ranked[:EXACT], np.reshape(others, (-1, 3))])
+        rest = COUNT - EXACT - len(kept)
+        others = Image.fromarray(ranked[None]).quantize(rest).getpalette() or []
+        colours = np.concatenate([ranked[:EXACT], kept, np.reshape(others, (-1, 3))[:rest]])
         levels = (np.indices((LEVELS,) * 3).reshape(3, -1).T + 0.5) * 256 / LEVELS
         places = cKDTree(colours).query(levels)[1]
         exact = ranked[:EXACT][::-1]  # the most frequent one of several last

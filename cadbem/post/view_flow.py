@@ -118,7 +118,8 @@ def _draw_panels(
     """Panels of parts of the grid, each with its view and the quantity that colours show."""
     extent = grid.points.T
     bars = {}
-    with sheet(path, size, len(shown), shown[0][0].aspect(extent)) as plotter:
+    aspect = min(view.aspect(extent) for view, _, _ in shown)
+    with sheet(path, size, len(shown), aspect) as plotter:
         for i, (view, quantity, parts) in enumerate(shown):
             panel(plotter, i)
             for part in parts:
