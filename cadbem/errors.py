@@ -35,3 +35,7 @@ class SolverError(CadbemError):
 
 class ResultsError(CadbemError):
     """A run's folder cannot be written, read or gone on with."""
+
+
+class UnitsError(CadbemError):
+    """A quantity is not understood, has another dimension than is asked for, or another unit."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import inspect
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
@@ -12,6 +13,8 @@ from cadbem.errors import CadbemError
 from cadbem.progress import verbose
 
 USER_MISTAKE, INTERRUPTED = 2, 130
+# what a file system may answer without anything being wrong with a script
+REFUSALS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM}
 
 
 def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
@@ -35,6 +38,10 @@ def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
         if verbose():
             raise
         parser.exit(USER_MISTAKE, f"cadbem: {' '.join(str(error).split())}\n")
+    except OSError as error:
+        if error.errno not in REFUSALS:
+            raise
+        parser.exit(USER_MISTAKE, f"cadbem: {error.filename or 'output'}: {error.strerror}\n")
     except KeyboardInterrupt:
         parser.exit(INTERRUPTED, f"cadbem: interrupted{_remedy(values)}\n")
 

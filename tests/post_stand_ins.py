@@ -74,8 +74,8 @@ class PositionField:
     boundary: Boundary
     function: object
 
-    def on_patch(self, index, u, v):
-        return self.function(self.boundary.patches[index].surface.evaluate(u, v))
+    def on_patch(self, index, *parameters):
+        return self.function(self.boundary.patches[index].surface.evaluate(*parameters))
 
     def patch_coefficients(self, index):
         # an affine function of position has the same function of the control points

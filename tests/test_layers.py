@@ -7,17 +7,19 @@ from pathlib import Path
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
     {"errors", "progress"},
-    {"compiled"},
+    {"compiled", "files", "units"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},
     {"operators"},
     {"problems"},
     {"suspension"},
-    {"post", "warmup"},
+    {"post", "warmup", "design"},
     {"results", "verification"},
     {"sweep"},
-    {"script", "cli", "__init__", "__main__"},
+    {"script", "__init__"},
+    {"cli"},
+    {"__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}

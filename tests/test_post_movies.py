@@ -201,8 +201,8 @@ def test_mistakes(tmp_path):
         filmstrip(tmp_path / "f.png", None, [flat, solid])
     with pytest.raises(ShapeError, match="body 1 at t = 0 is in 2D, the channel in 3D"):
         draw_scene(tmp_path / "s.png", box(), flat.shapes)
-    with pytest.raises(CadbemError, match=r"m\.mp4: .*\.gif"):
-        draw_movie(tmp_path / "m.mp4", box(), [solid])
+    with pytest.raises(CadbemError, match=r"m\.avi: .* ends in \.mp4 or \.gif"):
+        draw_movie(tmp_path / "m.avi", box(), [solid])
     with pytest.raises(CadbemError, match="at least one path"):
         draw_trajectories(tmp_path / "t.png", box(), {})
     with pytest.raises(ShapeError, match="all be in 2D or all in 3D"):

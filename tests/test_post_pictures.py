@@ -4,7 +4,16 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from post_stand_ins import FlowInBox, PositionField, box, pipe, space, tetrahedra_in_box
+from post_stand_ins import (
+    FlowInBox,
+    PositionField,
+    box,
+    pipe,
+    plate,
+    rectangular_channel,
+    space,
+    tetrahedra_in_box,
+)
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import SelectionError
@@ -17,9 +26,11 @@ from cadbem.post import (
     tessellated,
     volume_grid,
 )
+from cadbem.post.face_labels import look, place_labels, roomiest
+from cadbem.post.fields import edge_lines, face_edges
 from cadbem.post.layout import arrangement, back_view, corner_view, plan_view
 from cadbem.post.style import PALETTE, colours_of, quantity_label, round_values
-from cadbem.post.view_boundary import visible_spots
+from cadbem.post.view_boundary import choose_views
 from cadbem.post.view_flow import inflow_seeds
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure
 
@@ -69,14 +80,40 @@ def test_boundary_with_defects(tmp_path):
     assert has_colour(check(path, 0.2, 0.8), "#d62728")
 
 
+def seen_from(surface, view):
+    return look(surface, view, surface.points.T, SIZE)
+
+
 def test_every_face_of_a_box_is_seen():
-    """The front view shows outlet, front and top, the back view the three others."""
+    """The front view shows outlet, front and top, the back view the three others.  The roomiest
+    place of the top, a rectangle seen obliquely, is its middle, where the label is."""
     surface = tessellated(box())
     points = surface.points.T
-    front = visible_spots(surface, corner_view(points))
-    back = visible_spots(surface, back_view(points))
-    assert (set(front), set(back)) == ({2, 3, 6}, {1, 4, 5})
-    np.testing.assert_allclose(front[6], [1, 0.5, 1], atol=0.2)
+    view = corner_view(points)
+    front, back = seen_from(surface, view), seen_from(surface, back_view(points))
+    assert (set(roomiest(front)), set(roomiest(back))) == ({2, 3, 6}, {1, 4, 5})
+    spots = roomiest(front)
+    place = front.position(spots[6][0])
+    x, y, z = place - (place[2] - 1.0) / view.toward[2] * view.toward
+    np.testing.assert_allclose([x, y, z], [1.0, 0.5, 1.0], atol=0.05)
+    assert place_labels(front, spots, {2: "2", 3: "3", 6: "6"}, 20)[6] == spots[6][0]
+
+
+def test_small_faces_have_their_numbers_beside_them():
+    """A row of six squares across a wide one: no label covers another, nor any of the squares."""
+    squares = [plate((0.3 * k, 0, 0), (0.1, 0, 0), (0, 0.1, 0), "", k + 1) for k in range(6)]
+    surface = tessellated(Boundary((*squares, plate((0, 0.2, 0), (1.6, 0, 0), (0, 1, 0), "", 9))))
+    seen = look(surface, plan_view(surface.points.T), surface.points.T, (320, 240))
+    spots = roomiest(seen)
+    letter = 30
+    assert all(room < 0.6 * letter for face, (_, room) in spots.items() if face != 9)
+    places = place_labels(seen, spots, {face: str(face) for face in spots}, letter)
+    assert sorted(places) == [1, 2, 3, 4, 5, 6, 9]
+    boxes = np.array(list(places.values()))
+    gaps = np.abs(boxes[:, None] - boxes)[~np.eye(7, dtype=bool)]
+    assert ((gaps[:, 0] > 0.5 * letter) | (gaps[:, 1] > letter)).all()
+    for column, row in boxes:
+        assert seen.faces[int(row), int(column)] in (0, 9)
 
 
 def test_hidden_faces_get_no_number():
@@ -89,7 +126,37 @@ def test_hidden_faces_get_no_number():
     surface = tessellated(Boundary((*near.patches, *behind)))
     view = plan_view(surface.points.T, hidden=1)
     np.testing.assert_allclose(view.toward, [0, -1, 0])
-    assert set(visible_spots(surface, view)) == {3}
+    assert set(roomiest(seen_from(surface, view))) == {3}
+
+
+def test_faces_inside_get_a_view_of_their_own():
+    """A small box in the middle of a large one is seen from nowhere."""
+    inner = [
+        Patch(p.surface.transformed(0.3 * np.eye(3), [0.7, 0.35, 0.35]), "", 10 + p.face)
+        for p in box().patches
+    ]
+    surface = tessellated(Boundary((*box().patches, *inner)))
+    views, hidden = choose_views(surface, surface.points.T)
+    assert (len(views), hidden) == (2, [11, 12, 13, 14, 15, 16])
+
+
+def test_plane_boundary(tmp_path):
+    """Edges in the colours of their names."""
+    path = draw_boundary(rectangular_channel(), tmp_path / "plane.png", size=SIZE)
+    image = pixels(path)
+    assert image.shape[1] == SIZE[0]
+    assert has_colour(image, PALETTE[0]) and has_colour(image, PALETTE[1])
+
+
+def test_face_edges():
+    """A box with a side cut in two has 28 edges of 7 patches; the cut, of which two of them are,
+    is no edge of a face."""
+    cut = box().named(rest="walls").patches
+    surface = cut[0].surface
+    halves = [Patch(surface.restricted((a, a + 0.5), (0, 1)), "walls", 1) for a in (0, 0.5)]
+    boundary = Boundary((*halves, *cut[1:]))
+    assert edge_lines(boundary).n_cells == 28
+    assert face_edges(boundary).n_cells == 26
 
 
 def test_collocation(tmp_path):

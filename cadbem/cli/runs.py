@@ -61,6 +61,7 @@ def add_render(commands: Commands) -> None:
     parser.add_argument(
         "--colour",
         metavar="FIELD",
+        default="",
         help="what colours show: 'mean curvature', 'velocity', 'traction jump' (default: the body)",
     )
 
@@ -155,7 +156,7 @@ def _option(name: str, value: Any) -> list[str]:
 def _render(options: Options) -> None:
     from cadbem.results.render import render
 
-    for picture in render(options.folder):
+    for picture in render(options.folder, options.colour):
         print(picture)
 
 

@@ -7,12 +7,14 @@ from cadbem.post.export import write_mesh, write_vtu
 from cadbem.post.fields import edge_lines, tessellated, wall_stresses
 from cadbem.post.frames import Frame
 from cadbem.post.movie import draw_movie, draw_scene, filmstrip
+from cadbem.post.paths import draw_paths
 from cadbem.post.run import draw_run
 from cadbem.post.series import write_channel, write_frame, write_frames, write_index
+from cadbem.post.time_series import draw_series
 from cadbem.post.trajectories import draw_trajectories
 from cadbem.post.view_around import draw_around
 from cadbem.post.view_boundary import draw_boundary, draw_collocation
-from cadbem.post.view_flow import draw_slices, draw_streamlines
+from cadbem.post.view_flow import draw_flow, draw_slices, draw_streamlines
 from cadbem.post.view_walls import draw_traction
 from cadbem.post.volume import volume_grid
 
@@ -23,10 +25,13 @@ __all__ = [
     "draw_boundary",
     "draw_collocation",
     "draw_droplets",
+    "draw_flow",
     "draw_movie",
-    "draw_run",
     "draw_outlines",
+    "draw_paths",
+    "draw_run",
     "draw_scene",
+    "draw_series",
     "draw_slices",
     "draw_streamlines",
     "draw_traction",

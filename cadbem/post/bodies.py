@@ -55,20 +55,22 @@ def legend_of(frames: Sequence[Frame]) -> dict[str, str]:
     return {f"{n} {kind}{'s' * (n > 1)}": WALL for kind, n in sorted(kinds.items())}
 
 
-def body_surface(number: int, shape: Shape) -> Any:
+def body_surface(number: int, shape: Shape, colour: str = "") -> Any:
     """A body in space as ``pyvista.PolyData`` with unit ``Normals`` outwards and the point or
-    cell data ``colour``: droplets plain, particles chequered, so that one sees them turn."""
+    cell data ``colour``: droplets plain, particles chequered, so that one sees them turn; in the
+    body's own colour or another one."""
+    colour = colour or body_colour(number)
     if isinstance(shape, ClosedSpline):
         surface = tessellated_droplet(shape)
-        surface.point_data["colour"] = np.tile(_rgb(body_colour(number)), (surface.n_points, 1))
+        surface.point_data["colour"] = np.tile(_rgb(colour), (surface.n_points, 1))
     else:
-        surface = tessellated(shape, _density(shape))
-        surface.cell_data["colour"] = _chequers(shape, body_colour(number))
+        surface = tessellated(shape, density(shape))
+        surface.cell_data["colour"] = _chequers(shape, colour)
     surface.point_data.active_normals_name = "Normals"
     return surface
 
 
-def _density(boundary: Boundary) -> int:
+def density(boundary: Boundary) -> int:
     """Cells a direction in each element, an even number, for chequers."""
     spans = min(len(p.surface.breaks(d)) - 1 for p in boundary.patches for d in (0, 1))
     return 2 * max(1, round(0.5 * CELLS / spans))
@@ -78,7 +80,7 @@ def _chequers(boundary: Boundary, colour: str) -> NDArray[np.uint8]:
     """Colours of the cells of ``tessellated``: each patch is cut into two by two fields."""
     colours = []
     for patch in boundary.patches:
-        rows, columns = (_density(boundary) * (len(patch.surface.breaks(d)) - 1) for d in (0, 1))
+        rows, columns = (density(boundary) * (len(patch.surface.breaks(d)) - 1) for d in (0, 1))
         i, j = np.indices((rows, columns)).reshape(2, -1)
         dark = (2 * i // rows + 2 * j // columns) % 2 == 0
         colours.append(np.where(dark[:, None], _rgb(colour), _rgb(pale(colour))))

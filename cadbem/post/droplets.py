@@ -18,12 +18,13 @@ from cadbem.post.export import prepared, write_vtu
 from cadbem.post.layout import Size, add_axes, aim, flow_views, panel, sheet, strip
 from cadbem.post.scene import add_lines, lifted
 from cadbem.post.style import (
-    COLOUR_MAP,
     INK,
     PALETTE,
     SMALL,
     add_text,
     colour_bar,
+    colour_limits,
+    light_colours,
     scaled,
     size_label,
 )
@@ -51,10 +52,11 @@ def draw_droplets(
     each surface, called ``label``.  ``mesh`` draws the knot lines, ``points`` the collocation
     points.  Raises ``ShapeError`` for plane curves, ``DisplayError`` where nothing can be drawn.
     """
-    values = [None] * len(splines) if fields is None else fields
-    surfaces = [tessellated_droplet(s, f) for s, f in zip(splines, values, strict=True)]
+    given = [None] * len(splines) if fields is None else fields
+    surfaces = [tessellated_droplet(s, f) for s, f in zip(splines, given, strict=True)]
     extent = np.concatenate([s.points for s in surfaces]).T
-    limits = _limits(np.concatenate([s.point_data["value"] for s in surfaces]))
+    values = np.concatenate([s.point_data["value"] for s in surfaces])
+    limits = colour_limits(values.min(), values.max())
     views = flow_views()
     with sheet(path, size, len(views), views[0].aspect(extent)) as plotter:
         for i, view in enumerate(views):
@@ -145,7 +147,8 @@ def _lattice(basis: ClosedBasis) -> list[Array]:
 def tessellated_droplet(spline: ClosedSpline, field: Array | None = None) -> Any:
     """Quadrilaterals on a closed surface as ``pyvista.PolyData``, ``DENSITY`` a direction an
     element, with corners on the surface, unit ``Normals`` outwards and the point data ``value``:
-    a field with coefficients (*shape), or the mean curvature c / 2."""
+    a field with coefficients (*shape), the length of one with (dim, *shape), or the mean
+    curvature c / 2."""
     _require(spline, 3)
     theta, phi = _lattice(spline.basis)
     rim = NEAR_POLE * np.pi / spline.basis.shape[0]
@@ -156,7 +159,8 @@ def tessellated_droplet(spline: ClosedSpline, field: Array | None = None) -> Any
     corners = [index[:-1, :-1], index[1:, :-1], index[1:, 1:], index[:-1, 1:]]
     cells = np.stack([np.full_like(corners[0], 4), *corners], axis=-1)
     surface = load_pyvista().PolyData(exact.values(spline.coefficients).T, cells.ravel())
-    surface.point_data["value"] = near.curvature / 2 if field is None else exact.values(field)
+    value = near.curvature / 2 if field is None else exact.values(field)
+    surface.point_data["value"] = value if value.ndim == 1 else np.linalg.norm(value, axis=0)
     surface.point_data["Normals"] = near.normal.T
     return surface
 
@@ -169,32 +173,17 @@ def _require(spline: ClosedSpline, dimension: int) -> None:
         )
 
 
-def _limits(values: Array) -> tuple[float, float]:
-    """Limits of the colours; rounding errors of a constant are not worth any."""
-    low, high = float(values.min()), float(values.max())
-    room = 1e-3 * max(abs(low), abs(high), 1e-300)
-    return (low, high) if high - low > room else (low - room, high + room)
-
-
 def _add_surface(plotter: Any, surface: Any, limits: tuple[float, float]) -> Any:
     return plotter.add_mesh(
         surface.copy(deep=False),
         scalars="value",
-        cmap=_light_colours(),
+        cmap=light_colours(),
         clim=limits,
         ambient=0.6,
         diffuse=0.4,
         smooth_shading=True,
         show_scalar_bar=False,
     )
-
-
-def _light_colours() -> Any:
-    """The colours of all pictures without the dark ones, on which black lines are lost."""
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(colormaps[COLOUR_MAP](np.linspace(0.35, 1.0, 256)))
 
 
 def _add_points(plotter: Any, points: Array) -> None:

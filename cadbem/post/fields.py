@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Protocol
 
 import numpy as np
@@ -84,22 +84,42 @@ def edge_lines(boundary: Boundary, density: int = 8, *, elements: bool = False) 
 def sharp_edges(boundary: Boundary, density: int = 8, angle: float = 30.0) -> Any:
     """Those edges of patches at which the surface turns by more than an ``angle`` in degrees,
     or ends; judged in the middle of each edge."""
+    sharp = []
+    for curve, _, own, others, surface in _edges(boundary, density):
+        normals = surface.point_data["Normals"]
+        turns = normals[others] @ normals[own].mean(axis=0) < np.cos(np.radians(angle))
+        if turns.all():
+            sharp.append(curve)
+    return _polylines(sharp)
+
+
+def face_edges(boundary: Boundary, density: int = 8) -> Any:
+    """Those edges of patches at which a CAD face ends; judged in the middle of each edge."""
+    ends = []
+    for curve, patch, _, others, surface in _edges(boundary, density):
+        cells = surface.point_data["face"][others]
+        if (cells != boundary.patches[patch].face).all():
+            ends.append(curve)
+    return _polylines(ends)
+
+
+def _edges(boundary: Boundary, density: int) -> Iterator[tuple[Array, int, Array, Array, Any]]:
+    """Edges (n, 3) of patches with the number of the patch, and the points of a tessellation
+    that are near the middle: numbers of its own ones, of those of others, and all of it."""
+    if not boundary.patches:
+        return
     surface = tessellated(boundary, density)
     patch_of_point = np.empty(surface.n_points, dtype=int)
     patch_of_point[surface.faces.reshape(-1, 5)[:, 1:]] = surface.cell_data["patch"][:, None]
+    surface.point_data["face"] = np.array([p.face for p in boundary.patches])[patch_of_point]
     tree = cKDTree(surface.points)
-    sharp = []
     for index, patch in enumerate(boundary.patches):
         for curve in _curves(patch, density, elements=False):
             middle = curve[len(curve) // 2]
             step = np.linalg.norm(np.diff(curve, axis=0), axis=1).max()
             near = np.array(tree.query_ball_point(middle, 0.6 * step), dtype=int)
             own = patch_of_point[near] == index
-            normals = surface.point_data["Normals"][near]
-            turns = normals[~own] @ normals[own].mean(axis=0) < np.cos(np.radians(angle))
-            if turns.all():
-                sharp.append(curve)
-    return _polylines(sharp)
+            yield curve, index, near[own], near[~own], surface
 
 
 def _polylines(curves: Sequence[Array]) -> Any:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 
 import numpy as np
 
@@ -50,10 +51,19 @@ def require_frames(channel: Boundary | None, frames: Sequence[Frame]) -> int:
 
 
 def extent_of(channel: Boundary | None, frames: Sequence[Frame]) -> Array:
-    """Points (dim, N) spread over everything at all times."""
-    shapes: list[Shape] = [] if channel is None else [channel]
-    shapes += [shape for frame in frames for shape in frame.shapes.values()]
-    return np.concatenate([spread_points(shape) for shape in shapes], axis=1)
+    """Points (dim, N) spread over everything at all times, the outermost ones of each frame."""
+    points = [] if channel is None else [spread_points(channel)]
+    for frame in frames:
+        if frame.shapes:
+            shapes = [spread_points(shape) for shape in frame.shapes.values()]
+            points.append(_outermost(np.concatenate(shapes, axis=1)))
+    return np.concatenate(points, axis=1)
+
+
+def _outermost(points: Array) -> Array:
+    """Those of the points (dim, N) farthest along axes and diagonals."""
+    directions = np.array(list(product((-1.0, 0.0, 1.0), repeat=len(points))))
+    return points[:, np.unique((directions @ points).argmax(axis=1))]
 
 
 def spread_points(shape: Shape) -> Array:
@@ -68,8 +78,8 @@ def spread_points(shape: Shape) -> Array:
     return np.concatenate(points, axis=1)
 
 
-def time_labels(frames: Sequence[Frame]) -> list[str]:
+def time_labels(frames: Sequence[Frame], unit: str = "") -> list[str]:
     """The frames' times with as many decimals as give the longest time three digits."""
     longest = max(abs(frame.time) for frame in frames)
     decimals = int(np.clip(2 - np.floor(np.log10(longest)), 0, 9)) if longest else 0
-    return [f"t = {frame.time:.{decimals}f}" for frame in frames]
+    return [f"t = {frame.time:.{decimals}f} {unit}".rstrip() for frame in frames]

@@ -62,6 +62,17 @@ def add_legend(figure: Any, handles: Sequence[Any]) -> None:
         figure.legend(handles=handles, loc="outside lower center", ncols=4, frameon=False)
 
 
+def add_colour_bar(
+    figure: Any, axes: Sequence[Any], limits: tuple[float, float], label: str, colours: Any
+) -> None:
+    """A colour bar below everything."""
+    from matplotlib.cm import ScalarMappable
+    from matplotlib.colors import Normalize
+
+    shown = ScalarMappable(Normalize(*limits), colours)
+    figure.colorbar(shown, ax=axes, label=label, location="bottom", shrink=0.6, aspect=40)
+
+
 def add_plane_channel(axes: Any, channel: Boundary) -> None:
     """A plane channel: walls as lines, openings tinted and named."""
     names = opening_names(channel)
@@ -71,7 +82,7 @@ def add_plane_channel(axes: Any, channel: Boundary) -> None:
         axes.plot(*along_curve(patch.surface), **style, solid_capstyle="butt")
     for name in names:
         middle = channel.patches[channel.select(name)[0]].middle()
-        _add_name(axes, name, middle.position[:, 0], -middle.normal[:, 0])
+        add_name(axes, name, middle.position[:, 0], -middle.normal[:, 0])
 
 
 def add_plan(axes: Any, channel: Boundary, shown: Sequence[int]) -> None:
@@ -91,7 +102,7 @@ def add_plan(axes: Any, channel: Boundary, shown: Sequence[int]) -> None:
         axes.add_collection(PolyCollection(flat, facecolor="none", **style))
         outward = -np.asarray(opening.point_data["Normals"]).mean(axis=0)[shown]
         if np.linalg.norm(outward) > 0.1:
-            _add_name(axes, name, opening.points.mean(axis=0)[shown], outward)
+            add_name(axes, name, opening.points.mean(axis=0)[shown], outward)
 
 
 def _quadrilaterals(surface: Any, shown: Sequence[int]) -> list[Array]:
@@ -100,7 +111,7 @@ def _quadrilaterals(surface: Any, shown: Sequence[int]) -> list[Array]:
     return list(np.asarray(surface.points)[corners][..., shown])
 
 
-def _add_name(axes: Any, name: str, middle: Array, outward: Array) -> None:
+def add_name(axes: Any, name: str, middle: Array, outward: Array) -> None:
     """A name along an opening, outside."""
     across, along = outward / np.linalg.norm(outward)
     slope = np.degrees(np.arctan2(-across, along))  # of the opening

@@ -12,6 +12,7 @@ from PIL import Image
 
 from cadbem.boundary import Boundary
 from cadbem.post.bodies import body_surface, legend_of
+from cadbem.post.colouring import Colouring
 from cadbem.post.frames import Frame, extent_of, spread_points
 from cadbem.post.layout import (
     Size,
@@ -27,7 +28,15 @@ from cadbem.post.layout import (
 from cadbem.post.legend import draw_legend
 from cadbem.post.openings import add_openings
 from cadbem.post.scene import add_channel
-from cadbem.post.style import TEXT, add_text, scaled, size_label
+from cadbem.post.style import (
+    TEXT,
+    add_text,
+    colour_bar,
+    light_colours,
+    sample_of,
+    scaled,
+    size_label,
+)
 from cadbem.spline.basis import Array
 
 FINER = 2  # pixels drawn a pixel shown, in each direction: smooth lines
@@ -36,16 +45,21 @@ ROOM = (0.1, 0.08)  # share of a panel kept free for the axes and for the time
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What stays the same in all frames: the channel, if any, and points (3, N) of all there is."""
+    """What stays the same in all frames: the channel, if any, points (3, N) of all there is, and
+    the field that bodies are coloured by, if any."""
 
     channel: Boundary | None
     extent: Array
     legend: Mapping[str, str]
+    colouring: Colouring | None = None
 
     @staticmethod
-    def of(channel: Boundary | None, frames: Sequence[Frame]) -> Scene:
+    def of(
+        channel: Boundary | None, frames: Sequence[Frame], colouring: Colouring | None = None
+    ) -> Scene:
         """The scene that holds all frames."""
-        return Scene(channel, extent_of(channel, frames), legend_of(frames))
+        legend = legend_of(frames) if colouring is None else {}
+        return Scene(channel, extent_of(channel, frames), legend, colouring)
 
     @property
     def views(self) -> tuple[View, View]:
@@ -65,20 +79,34 @@ class Scene:
         add_axes(plotter)
 
     def finish(self, plotter: Any) -> None:
-        """The legend and the size of the channel."""
+        """The legend or colour bar, and the size of the channel."""
         note = "" if self.channel is None else _size(self.channel)
         draw_legend(plotter, self.legend, note)
+        if self.colouring is not None:
+            bar = sample_of(self.colouring.limits, light_colours())
+            colour_bar(plotter, bar, self.colouring.label, 0.5, 0.45)
+
+    @property
+    def shading(self) -> float:
+        """How much the light changes colours: little where they are to be read off."""
+        return 0.65 if self.colouring is None else 0.4
+
+    def surface(self, frame: Frame, number: int) -> Any:
+        """A body of a frame, in its colours."""
+        if self.colouring is None:
+            return body_surface(number, frame.shapes[number])
+        return self.colouring.surface(frame, number)
 
 
-def add_body(plotter: Any, surface: Any) -> Any:
+def add_body(plotter: Any, surface: Any, shading: float) -> Any:
     """A body (see ``body_surface``) in the panel drawn at present; its actor."""
     actor = plotter.add_mesh(
         surface,
         scalars="colour",
         rgb=True,
-        ambient=0.35,
-        diffuse=0.65,
-        specular=0.25,
+        ambient=1 - shading,
+        diffuse=shading,
+        specular=0.4 * shading,
         specular_power=20,
         reset_camera=False,
         render=False,
@@ -93,8 +121,8 @@ def still(scene: Scene, panels: Sequence[tuple[View, Frame, str]], size: Size) -
         for i, (view, frame, caption) in enumerate(panels):
             panel(plotter, i)
             scene.prepare(plotter, view)
-            for number, shape in frame.shapes.items():
-                add_body(plotter, body_surface(number, shape))
+            for number in frame.shapes:
+                add_body(plotter, scene.surface(frame, number), scene.shading)
             _add_caption(plotter, caption)
         scene.finish(plotter)
         return _shot(plotter)
@@ -117,12 +145,12 @@ def camera(scene: Scene, size: Size) -> Iterator[Callable[[Frame, str], Image.Im
 
         def picture(frame: Frame, caption: str) -> Image.Image:
             words.input = caption
-            for number, shape in frame.shapes.items():
-                surface = body_surface(number, shape)
+            for number in frame.shapes:
+                surface = scene.surface(frame, number)
                 if number in actors:
                     actors[number].mapper.dataset = surface
                 else:
-                    actors[number] = _add_everywhere(plotter, surface, len(views))
+                    actors[number] = _add_everywhere(plotter, surface, scene.shading, len(views))
             for number, actor in actors.items():
                 actor.visibility = number in frame.shapes
             return _shot(plotter)
@@ -130,10 +158,10 @@ def camera(scene: Scene, size: Size) -> Iterator[Callable[[Frame, str], Image.Im
         yield picture
 
 
-def _add_everywhere(plotter: Any, surface: Any, panels: int) -> Any:
+def _add_everywhere(plotter: Any, surface: Any, shading: float, panels: int) -> Any:
     """One actor for a body in all panels."""
     panel(plotter, 0)
-    actor = add_body(plotter, surface)
+    actor = add_body(plotter, surface, shading)
     for i in range(1, panels):
         panel(plotter, i)
         plotter.add_actor(actor, reset_camera=False, render=False)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -13,6 +12,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ShapeError
+from cadbem.files import write_whole
 from cadbem.post.bezier import bezier_grid
 from cadbem.post.bodies import body_name
 from cadbem.post.body_fields import BodyField, control_values, fields_of
@@ -61,9 +61,7 @@ def write_index(folder: str | Path, times: Sequence[float]) -> Path:
         step = {"timestep": repr(float(time)), "part": "0", "file": _file_name(index)}
         ElementTree.SubElement(listing, "DataSet", step)
     ElementTree.indent(root)
-    draft = collection.with_name(".bodies.pvd")
-    ElementTree.ElementTree(root).write(draft, encoding="utf-8", xml_declaration=True)
-    os.replace(draft, collection)
+    write_whole(collection, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
     return collection
 
 

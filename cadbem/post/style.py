@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
+from cadbem.boundary import Boundary
+from cadbem.post.display import load_pyvista
 from cadbem.spline.basis import Array
 
 BACKGROUND = "#ffffff"
@@ -26,6 +28,12 @@ LETTER = 0.56  # mean width of a letter over its height
 PALETTE = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#9467bd", "#8c564b")
 
 
+SPEEDS = ("speed", "velocity")
+STRESSES = ("pressure", "traction", "traction jump", "jump", "wall shear stress")
+# pale ones for the faces of one name, so that one sees where each ends
+TINTS = ("#f3e3bd", "#cfe3f1", "#f6d2c1", "#cdebdd", "#f1dbe8", "#e3dcef", "#dfe8c4", "#ead9cf")
+
+
 def colours_of(names: Sequence[str]) -> dict[str, str]:
     """A colour for each name: walls grey, patches without a name pale, ports in strong colours."""
     colours = {name: WALL for name in names if name.startswith("wall")}
@@ -41,13 +49,44 @@ def _palette(count: int) -> list[str]:
     return [*PALETTE[:count], *hexadecimal]
 
 
-def quantity_label(quantity: str, unit: str) -> str:
-    """Label of a colour bar, with the quantity's unit, from the ``unit`` of length.
+class UnitNames(Protocol):
+    """What units are called, such as "mm", "s", "Pa"; empty where there are none."""
+
+    @property
+    def length(self) -> str: ...
+
+    @property
+    def time(self) -> str: ...
+
+    @property
+    def pressure(self) -> str: ...
+
+
+def quantity_label(quantity: str, unit: str, units: UnitNames | None = None) -> str:
+    """Label of a colour bar, with the quantity's unit, from ``units`` or, without them, from the
+    ``unit`` of length.
 
     A CAD file knows a unit of length only; those of time and viscosity are the user's.
     """
-    units = {"speed": f"{unit} / time"}
-    return f"{quantity} ({units.get(quantity, 'viscosity / time') if unit else 'dimensionless'})"
+    length, time, stress = unit, "time", "viscosity / time"
+    if units is not None:
+        length, time, stress = units.length, units.time, units.pressure
+    known = {
+        **dict.fromkeys(SPEEDS, f"{length} / {time}" if units is None else f"{length}/{time}"),
+        **dict.fromkeys(STRESSES, stress),
+        "mean curvature": f"1/{length}",
+        "time": "" if units is None else time,
+    }
+    if not length:
+        return f"{quantity} (dimensionless)" if quantity != "time" else quantity
+    return f"{quantity} ({known[quantity]})" if known.get(quantity) else quantity
+
+
+def length_unit(boundary: Boundary | None, units: UnitNames | None) -> str:
+    """What the unit of length is called: by ``units``, else by the boundary's CAD file."""
+    if units is not None:
+        return units.length
+    return "" if boundary is None else boundary.unit
 
 
 def size_label(points: Array, unit: str) -> str:
@@ -85,9 +124,35 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
     )
     bar.SetTitle("")
     bar.SetTextPositionToPrecedeScalarBar()
+    bar.SetTextPad(scaled(plotter, 6))
     bar.SetUseCustomLabels(True)
     bar.SetCustomLabels(numpy_to_vtk(round_values(*actor.mapper.scalar_range), deep=True))
     add_text(plotter, title, (left, 0.72), scaled(plotter, TEXT))
+
+
+def colour_limits(low: float, high: float) -> tuple[float, float]:
+    """Limits of the colours; rounding errors of a constant are not worth any."""
+    room = 1e-3 * max(abs(low), abs(high), 1e-300)
+    return (low, high) if high - low > room else (low - room, high + room)
+
+
+def light_colours() -> Any:
+    """The colours of all pictures without the dark ones, on which black lines are lost."""
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(colormaps[COLOUR_MAP](np.linspace(0.35, 1.0, 256)))
+
+
+def sample_of(limits: tuple[float, float], colours: Any) -> Any:
+    """An actor, not drawn, with colours from end to end: for the ``colour_bar`` of other things."""
+    pyvista = load_pyvista()
+    mesh = pyvista.Line()
+    mesh.point_data["value"] = np.linspace(*limits, mesh.n_points)
+    mapper = pyvista.DataSetMapper(mesh)
+    mapper.lookup_table = pyvista.LookupTable(cmap=colours, scalar_range=limits)
+    mapper.scalar_range = limits
+    return pyvista.Actor(mapper=mapper)
 
 
 def round_values(low: float, high: float, count: int = 5) -> Array:

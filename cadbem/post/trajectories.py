@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +15,7 @@ from cadbem.post.export import prepared
 from cadbem.post.frames import spread_points
 from cadbem.post.layout import Size, axes_by_length
 from cadbem.post.plane import add_legend, add_plan, add_plane_channel, plane_figure
-from cadbem.post.style import BACKGROUND
+from cadbem.post.style import BACKGROUND, UnitNames, length_unit
 from cadbem.spline.basis import Array
 
 
@@ -24,6 +24,7 @@ def draw_trajectories(
     channel: Boundary | None,
     tracks: Mapping[str | int, ArrayLike],
     *,
+    units: UnitNames | None = None,
     size: Size = (1500, 1200),
 ) -> Path:
     """Picture of paths (dim, N), by label, from open to filled circles, on the channel's plan.
@@ -34,10 +35,10 @@ def draw_trajectories(
     paths and channel are not in the same dimension.
     """
     paths = {label: np.asarray(track, dtype=float) for label, track in tracks.items()}
-    extent = _extent(channel, list(paths.values()))
+    extent = extent_of_paths(channel, list(paths.values()))
     widest = extent if channel is None else spread_points(channel)
     shown = sorted(axes_by_length(widest)[:2]) if len(extent) == 3 else [0, 1]
-    unit, names = "" if channel is None else channel.unit, "".join("xyz"[k] for k in shown)
+    unit, names = length_unit(channel, units), "".join("xyz"[k] for k in shown)
     figure, (axes,) = plane_figure(extent[shown], unit, size, names=names)
     if channel is not None and channel.dimension == 2:
         add_plane_channel(axes, channel)
@@ -57,7 +58,7 @@ def draw_trajectories(
     return target
 
 
-def _extent(channel: Boundary | None, paths: list[Array]) -> Array:
+def extent_of_paths(channel: Boundary | None, paths: Sequence[Array]) -> Array:
     """Points (dim, N) of all paths and of the channel."""
     if not paths:
         raise CadbemError("no trajectories to draw: give at least one path of positions (dim, N)")

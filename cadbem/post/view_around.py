@@ -17,6 +17,7 @@ from cadbem.post.style import (
     INK,
     SMALL,
     WALL,
+    UnitNames,
     add_text,
     colour_bar,
     quantity_label,
@@ -49,6 +50,7 @@ def draw_around(
     *,
     reach: float = 1.5,
     resolution: int = 120,
+    units: UnitNames | None = None,
     size: Size = (1500, 1600),
 ) -> Path:
     """Picture of the speed on the middle plane of bodies, along their two longest axes.
@@ -76,7 +78,7 @@ def draw_around(
         aim(plotter, view, grid.points.T, AXES_ROOM)
         add_axes(plotter)
         strip(plotter)
-        colour_bar(plotter, colours, quantity_label("speed", boundary.unit), 0.4, 0.5)
+        colour_bar(plotter, colours, quantity_label("speed", boundary.unit, units), 0.4, 0.5)
         add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), scaled(plotter, SMALL))
     return Path(path)
 

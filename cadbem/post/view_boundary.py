@@ -12,9 +12,22 @@ from numpy.typing import NDArray
 from cadbem.boundary import Boundary
 from cadbem.points import SurfacePoints
 from cadbem.post.display import load_pyvista
-from cadbem.post.fields import edge_lines, tessellated
-from cadbem.post.layout import Size, View, add_axes, aim, back_view, corner_view, panel, sheet
+from cadbem.post.face_labels import Seen, add_labels, look, roomiest
+from cadbem.post.fields import edge_lines, face_edges, tessellated
+from cadbem.post.layout import (
+    Size,
+    View,
+    add_axes,
+    aim,
+    back_view,
+    corner_view,
+    panel,
+    plan_view,
+    sheet,
+)
 from cadbem.post.legend import draw_legend
+from cadbem.post.openings import opening_names
+from cadbem.post.plane_boundary import draw_plane_boundary
 from cadbem.post.scene import add_lines, lifted
 from cadbem.post.style import (
     BACKGROUND,
@@ -22,7 +35,9 @@ from cadbem.post.style import (
     FONT,
     INK,
     SMALL,
+    TINTS,
     WALL,
+    add_text,
     colours_of,
     scaled,
     size_label,
@@ -30,6 +45,9 @@ from cadbem.post.style import (
 from cadbem.spline.basis import Array
 
 FAULT = "#6b0f10"  # lines on red faces
+GLANCE = (480, 360)  # pixels of the pictures that decide where to look from
+MOST = 4  # views from outside
+CROWD = 30  # labels in a panel from which on letters shrink
 
 
 class CollocatedSpace(Protocol):
@@ -50,32 +68,42 @@ def draw_boundary(
     skins: Mapping[int, Array] | None = None,
     size: Size = (1800, 1100),
 ) -> Path:
-    """Picture of the faces in the colours of their names, from two opposite corners.
+    """Picture of the faces in the colours of their names, with the numbers that ``named`` takes.
 
-    Every CAD face carries its number where it can be seen; those that neither view shows are
-    listed.  ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red and
+    Two views from opposite corners, more where faces hide behind others, and a last one through
+    the walls for those that are not seen from outside.  Faces without a name have a tint each;
+    thin lines divide a face into patches.  A boundary in a plane is drawn with its edges' numbers.
+    ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red and
     the others grey.  Those without patches are drawn by ``skins``, triangles (M, 3 corners, 3) by
     number, or by their polylines alone.
     Raises ``DisplayError`` where pictures cannot be drawn.
     """
+    if boundary.patches and boundary.dimension == 2:
+        return draw_plane_boundary(boundary, path, size)
     surface = _surface(boundary, skins or {})
     lines = {face: list(curves) for face, curves in (defects or {}).items()}
     extent = np.concatenate([surface.points.T, *sum(lines.values(), [])], axis=1)
-    views = (corner_view(extent), back_view(extent))
-    seen: set[int] = set()
-    with sheet(path, size, 2, views[0].aspect(extent)) as plotter:
-        for i, view in enumerate(views):
+    views, hidden = choose_views(surface, extent)
+    panels = [(view, False) for view in views] + [(views[0], True)] * bool(hidden)
+    edges = edge_lines(boundary, 16), face_edges(boundary, 16)
+    with sheet(path, size, len(panels), views[0].aspect(extent)) as plotter:
+        for i, (view, through) in enumerate(panels):
             panel(plotter, i)
-            _add_faces(plotter, boundary, surface, list(lines))
             lift = lifted(view, extent)
-            add_lines(plotter, edge_lines(boundary, 16), lift)
+            shown = surface
+            if through:
+                shown = _only(surface, hidden)
+                plotter.add_mesh(surface, color=WALL, opacity=0.15, lighting=False, culling="back")
+                add_text(plotter, "hidden from outside:", (0.03, 0.9), scaled(plotter, SMALL))
+            _add_faces(plotter, boundary, shown, list(lines))
+            if not through:
+                add_lines(plotter, edges[0], lift, width=0.7)
+            add_lines(plotter, edges[1], lift, width=1 if through else 2.5)
             _add_defects(plotter, surface, lines, 2 * lift)
-            seen |= _add_numbers(plotter, surface, view, list(lines))
-            add_axes(plotter)
             aim(plotter, view, extent)
-        hidden = sorted(_faces(surface) - seen - {0})
-        note = size_label(extent, boundary.unit) + _hidden_note(hidden)
-        draw_legend(plotter, _legend(boundary, list(lines)), note)
+            _add_numbers(plotter, boundary, look(shown, view, extent, _pixels(plotter)), lines)
+            add_axes(plotter)
+        draw_legend(plotter, _legend(boundary, list(lines)), _note(boundary, extent))
     return Path(path)
 
 
@@ -130,6 +158,39 @@ def _surface(boundary: Boundary, skins: Mapping[int, Array]) -> Any:
     return pyvista.merge(meshes, merge_points=False) if meshes else pyvista.PolyData()
 
 
+def choose_views(surface: Any, extent: Array) -> tuple[list[View], list[int]]:
+    """Views from corners, two or up to four where these show more faces, and the faces that they
+    all hide."""
+    every = plan_view(extent, hidden=1)
+    views = [corner_view(extent), back_view(extent)]
+    others = [every.turned(a, e) for a in (28, 118, 208, 298) for e in (32, -32)]
+    hidden = _faces(surface) - {0}
+    for view in views:
+        hidden -= _seen(surface, view, extent)
+    seen = [_seen(surface, v, extent) for v in others] if hidden else []
+    while hidden and len(views) < MOST:
+        best = max(range(len(others)), key=lambda k: len(seen[k] & hidden))
+        if not seen[best] & hidden:
+            break
+        views.append(others[best])
+        hidden -= seen[best]
+    return views, sorted(hidden)
+
+
+def _seen(surface: Any, view: View, extent: Array) -> set[int]:
+    return set(roomiest(look(surface, view, extent, GLANCE)))
+
+
+def _only(surface: Any, faces: Sequence[int]) -> Any:
+    cells = np.flatnonzero(np.isin(surface.cell_data["face"], faces))
+    return surface.extract_cells(cells).extract_surface(algorithm="dataset_surface")
+
+
+def _pixels(plotter: Any) -> Size:
+    width, height = plotter.renderer.GetSize()
+    return int(width), int(height)
+
+
 def _add_faces(plotter: Any, boundary: Boundary, surface: Any, faulty: list[int]) -> None:
     if not surface.n_cells:
         return
@@ -137,7 +198,10 @@ def _add_faces(plotter: Any, boundary: Boundary, surface: Any, faulty: list[int]
     names, faces = surface.cell_data["name"], surface.cell_data["face"]
     broken = np.isin(faces, faulty)
     for i, name in enumerate(boundary.names):
-        _add_part(plotter, surface, (names == i) & ~broken, colours[name])
+        here = (names == i) & ~broken
+        tints = TINTS if not name and not faulty else (colours[name],)
+        for k, tint in enumerate(tints):
+            _add_part(plotter, surface, here & (faces % len(tints) == k), tint)
     _add_part(plotter, surface, broken, DEFECT)
 
 
@@ -157,31 +221,17 @@ def _add_defects(plotter: Any, surface: Any, lines: Mapping[int, list[Array]], l
             plotter.add_mesh(mesh, color=colour, line_width=7, lighting=False)
         if face not in painted:
             middle = np.concatenate(curves, axis=1).mean(axis=1)
-            _add_labels(plotter, middle[:, None], [face], DEFECT)
+            _add_number(plotter, middle, face)
 
 
-def _add_numbers(plotter: Any, surface: Any, view: View, faulty: list[int]) -> set[int]:
-    """Numbers on the faces that the view shows, near their middles; returns those faces."""
-    spots = visible_spots(surface, view)
-    for colour, wanted in ((DEFECT, spots.keys() & set(faulty)), (INK, spots.keys() - faulty)):
-        if wanted:
-            places = np.stack([spots[face] for face in wanted], axis=1)
-            _add_labels(plotter, places, list(wanted), colour)
-    return set(spots)
-
-
-def _faces(surface: Any) -> set[int]:
-    return set(surface.cell_data["face"].tolist()) if surface.n_cells else set()
-
-
-def _add_labels(plotter: Any, positions: Array, labels: list[int], colour: str) -> None:
+def _add_number(plotter: Any, middle: Array, face: int) -> None:
     plotter.add_point_labels(
-        positions.T,
-        [str(label) for label in labels],
+        middle[None],
+        [str(face)],
         font_family=FONT,
         font_size=scaled(plotter, SMALL),
         bold=False,
-        text_color=colour,
+        text_color=DEFECT,
         shape=None,
         background_color=BACKGROUND,
         background_opacity=0.75,
@@ -192,30 +242,23 @@ def _add_labels(plotter: Any, positions: Array, labels: list[int], colour: str) 
     )
 
 
-def visible_spots(surface: Any, view: View, candidates: int = 40) -> dict[int, Array]:
-    """For each CAD face a point (3,) on it that the viewer sees, nearest to the face's middle."""
-    if not surface.n_cells:
-        return {}
-    triangles = surface.triangulate()
-    reach = 2 * surface.length
-    centres = surface.cell_centers().points
-    outward = -np.asarray(
-        surface.compute_normals(
-            point_normals=False, auto_orient_normals=False, consistent_normals=False
-        ).cell_data["Normals"]
-    )
-    spots: dict[int, Array] = {}
-    for face in sorted(_faces(surface)):
-        own = np.flatnonzero(surface.cell_data["face"] == face)
-        middle = centres[own].mean(axis=0)
-        facing = own[outward[own] @ view.toward > 0.15]
-        order = facing[np.argsort(np.linalg.norm(centres[facing] - middle, axis=1))]
-        for cell in order[:: max(1, len(order) // candidates)]:
-            start = centres[cell] + 1e-4 * reach * outward[cell]
-            if not len(triangles.ray_trace(start, start + reach * view.toward)[0]):
-                spots[int(face)] = start
-                break
-    return spots
+def _add_numbers(
+    plotter: Any, boundary: Boundary, seen: Seen, faulty: Mapping[int, list[Array]]
+) -> None:
+    """Numbers on the faces that a view shows, with the names of those that are not walls."""
+    spots = roomiest(seen)
+    labels = {face: str(face) for face in spots}
+    ports = opening_names(boundary)
+    for patch in boundary.patches:
+        if patch.name in ports and not faulty:
+            labels |= {patch.face: f"{patch.face} {patch.name}"} if patch.face in labels else {}
+    colours = {face: DEFECT if face in faulty else INK for face in labels}
+    shrunk = SMALL * np.clip(np.sqrt(CROWD / max(1, len(labels))), 0.65, 1.0)
+    add_labels(plotter, seen, spots, labels, colours, scaled(plotter, shrunk))
+
+
+def _faces(surface: Any) -> set[int]:
+    return set(surface.cell_data["face"].tolist()) if surface.n_cells else set()
 
 
 def _colours(boundary: Boundary, faulty: list[int]) -> dict[str, str]:
@@ -225,11 +268,13 @@ def _colours(boundary: Boundary, faulty: list[int]) -> dict[str, str]:
 
 def _legend(boundary: Boundary, faulty: list[int]) -> dict[str, str]:
     if not faulty:
-        return colours_of(boundary.names)
+        return {name: colour for name, colour in colours_of(boundary.names).items() if name}
     sound = {patch.face for patch in boundary.patches} - set(faulty)
     others = {f"sound ({len(sound)})": WALL} if sound else {}
     return {f"defective ({len(faulty)})": DEFECT} | others
 
 
-def _hidden_note(faces: list[int]) -> str:
-    return f"; faces hidden in both views: {', '.join(map(str, faces))}" if faces else ""
+def _note(boundary: Boundary, extent: Array) -> str:
+    unnamed = len({patch.face for patch in boundary.patches if not patch.name})
+    count = f"{unnamed} face{'s' * (unnamed > 1)} without a name; " if unnamed else ""
+    return count + size_label(extent, boundary.unit)

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.errors import ShapeError
 from cadbem.points import surface_points
 from cadbem.post.display import load_pyvista
 from cadbem.post.layout import (
     Size,
+    View,
     add_axes,
     aim,
     axes_by_length,
@@ -22,22 +24,34 @@ from cadbem.post.layout import (
     sheet,
     strip,
 )
+from cadbem.post.plane_flow import draw_plane_flow
+from cadbem.post.sampling import FlowSolution, sample_flow
 from cadbem.post.scene import add_channel
 from cadbem.post.style import (
     COLOUR_MAP,
     SMALL,
+    UnitNames,
     add_text,
     colour_bar,
+    length_unit,
     quantity_label,
     scaled,
     size_label,
 )
 from cadbem.spline.basis import Array
 
+SECTIONS, LINES = 7, 60  # cross-sections and streamlines
 AXES_ROOM = (0.12, 0.0)  # share of a panel kept free for the axes and at the top
 
+
 def draw_slices(
-    grid: Any, boundary: Boundary, path: str | Path, *, sections: int = 7, size: Size = (1800, 1300)
+    grid: Any,
+    boundary: Boundary,
+    path: str | Path,
+    *,
+    sections: int = 7,
+    units: UnitNames | None = None,
+    size: Size = (1800, 1300),
 ) -> Path:
     """Picture of the speed on the lengthwise middle planes and on cross-sections, and of the
     pressure on the first of these planes.
@@ -45,39 +59,104 @@ def draw_slices(
     ``grid`` is a ``volume_grid``; its mesh must be fine enough for the colours to be smooth.
     """
     extent = grid.points.T
-    longest, middle, shortest = axes_by_length(extent)
+    middle, shortest = axes_by_length(extent)[1:]
     flat = [_plane(grid, shortest, 0.5)]
-    across = [_plane(grid, longest, (k + 0.5) / sections) for k in range(sections)]
     shown = [
         (plan_view(extent), "speed", flat),
         (plan_view(extent, hidden=1), "speed", [_plane(grid, middle, 0.5)]),
-        (corner_view(extent), "speed", across),
+        (corner_view(extent), "speed", _cross_sections(grid, sections)),
         (plan_view(extent), "pressure", flat),
     ]
-    bars = {}
-    with sheet(path, size, len(shown), shown[0][0].aspect(extent)) as plotter:
-        for i, (view, quantity, planes) in enumerate(shown):
-            panel(plotter, i)
-            for plane in planes:
-                bars[quantity] = _add_colours(plotter, grid, plane, quantity)
-            add_channel(plotter, boundary, view)
-            aim(plotter, view, extent, AXES_ROOM)
-            add_axes(plotter)
-        _add_bars(plotter, bars, boundary, extent)
+    _draw_panels(path, grid, boundary, shown, units, size)
     return Path(path)
 
 
+def draw_flow(
+    solution: FlowSolution,
+    path: str | Path,
+    *,
+    points: int = 4000,
+    units: UnitNames | None = None,
+    size: Size = (1800, 1300),
+) -> Path:
+    """Picture of a solved flow in a channel: speed and pressure on the widest middle plane, speed
+    on cross-sections, and streamlines; in a plane speed with streamlines, and pressure.
+
+    The flow is sampled at about ``points`` places in the fluid, and more on its boundary, where
+    it is known; more of them for narrow or long channels.  ``units`` are what labels say
+    (``length``, ``time``, ``pressure``).  Raises ``ShapeError`` for a flow that no channel
+    encloses, ``DisplayError`` where pictures cannot be drawn.
+    """
+    boundary = solution.space.boundary
+    if boundary.volume() <= 0:
+        raise ShapeError("there is no channel around this flow: draw it by draw_around")
+    sample = sample_flow(solution, points)
+    if boundary.dimension == 2:
+        return draw_plane_flow(sample, boundary, path, units, size)
+    grid = sample.grid()
+    extent = grid.points.T
+    plan, corner = plan_view(extent), corner_view(extent)
+    flat = [_plane(grid, axes_by_length(extent)[2], 0.5)]
+    shown = [
+        (plan, "speed", flat),
+        (plan, "pressure", flat),
+        (corner, "speed", _cross_sections(grid, SECTIONS)),
+        (corner, "speed", [_tubes(grid, boundary, LINES)]),
+    ]
+    _draw_panels(path, grid, boundary, shown, units, size)
+    return Path(path)
+
+
+def _draw_panels(
+    path: str | Path,
+    grid: Any,
+    boundary: Boundary,
+    shown: Sequence[tuple[View, str, Sequence[Any]]],
+    units: UnitNames | None,
+    size: Size,
+) -> None:
+    """Panels of parts of the grid, each with its view and the quantity that colours show."""
+    extent = grid.points.T
+    bars = {}
+    with sheet(path, size, len(shown), shown[0][0].aspect(extent)) as plotter:
+        for i, (view, quantity, parts) in enumerate(shown):
+            panel(plotter, i)
+            for part in parts:
+                shading = 0.3 if part.n_strips or part.n_lines else 0.0
+                bars[quantity] = _add_colours(plotter, grid, part, quantity, shading)
+            add_channel(plotter, boundary, view)
+            aim(plotter, view, extent, AXES_ROOM)
+            add_axes(plotter)
+        _add_bars(plotter, bars, boundary, extent, units)
+
+
+def _cross_sections(grid: Any, count: int) -> list[Any]:
+    longest = axes_by_length(grid.points.T)[0]
+    return [_plane(grid, longest, (k + 0.5) / count) for k in range(count)]
+
+
 def draw_streamlines(
-    grid: Any, boundary: Boundary, path: str | Path, *, lines: int = 60, size: Size = (1800, 1200)
+    grid: Any,
+    boundary: Boundary,
+    path: str | Path,
+    *,
+    lines: int = 60,
+    units: UnitNames | None = None,
+    size: Size = (1800, 1200),
 ) -> Path:
     """Picture of about ``lines`` streamlines from the openings where fluid enters, in a
     transparent channel, coloured by speed; ``grid`` is a ``volume_grid``.
     """
-    pyvista = load_pyvista()
-    extent = grid.points.T
-    view = corner_view(extent)
+    view = corner_view(grid.points.T)
+    shown = [(view, "speed", [_tubes(grid, boundary, lines)])]
+    _draw_panels(path, grid, boundary, shown, units, size)
+    return Path(path)
+
+
+def _tubes(grid: Any, boundary: Boundary, lines: int) -> Any:
+    """About ``lines`` streamlines as tubes."""
     streams = grid.streamlines_from_source(
-        pyvista.PolyData(inflow_seeds(grid, boundary, lines)),
+        load_pyvista().PolyData(inflow_seeds(grid, boundary, lines)),
         vectors="velocity",
         integration_direction="forward",
         initial_step_length=0.1,
@@ -86,15 +165,7 @@ def draw_streamlines(
         terminal_speed=1e-4 * _speed_limits(grid)[1],
         compute_vorticity=False,
     )
-    tubes = streams.tube(radius=0.002 * np.linalg.norm(np.ptp(extent, axis=1)), n_sides=6)
-    with sheet(path, size, 1, view.aspect(extent)) as plotter:
-        panel(plotter, 0)
-        actor = _add_colours(plotter, grid, tubes, "speed", shading=0.3)
-        add_channel(plotter, boundary, view)
-        aim(plotter, view, extent)
-        add_axes(plotter)
-        _add_bars(plotter, {"speed": actor}, boundary, extent)
-    return Path(path)
+    return streams.tube(radius=0.002 * np.linalg.norm(np.ptp(grid.points, axis=0)), n_sides=6)
 
 
 def inflow_seeds(grid: Any, boundary: Boundary, count: int) -> Array:
@@ -160,8 +231,20 @@ def _add_colours(plotter: Any, grid: Any, mesh: Any, quantity: str, shading: flo
     )
 
 
-def _add_bars(plotter: Any, bars: Mapping[str, Any], boundary: Boundary, extent: Array) -> None:
+def _add_bars(
+    plotter: Any,
+    bars: Mapping[str, Any],
+    boundary: Boundary,
+    extent: Array,
+    units: UnitNames | None,
+) -> None:
     strip(plotter)
     for i, (quantity, actor) in enumerate(bars.items()):
-        colour_bar(plotter, actor, quantity_label(quantity, boundary.unit), 0.24 + 0.4 * i, 0.3)
-    add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), scaled(plotter, SMALL))
+        label = quantity_label(quantity, boundary.unit, units)
+        colour_bar(plotter, actor, label, 0.24 + 0.4 * i, 0.3)
+    add_text(
+        plotter,
+        size_label(extent, length_unit(boundary, units)),
+        (0.02, 0.72),
+        scaled(plotter, SMALL),
+    )

@@ -17,8 +17,11 @@ from cadbem.post.scene import add_lines, lifted
 from cadbem.post.style import (
     COLOUR_MAP,
     SMALL,
+    UnitNames,
     add_text,
     colour_bar,
+    colour_limits,
+    length_unit,
     quantity_label,
     scaled,
     size_label,
@@ -26,7 +29,7 @@ from cadbem.post.style import (
 from cadbem.problems.conditions import NoSlip
 from cadbem.spline.basis import Array
 
-_QUANTITIES = ("traction", "wall shear stress")
+_QUANTITIES = ("pressure", "wall shear stress")
 
 
 class _Problem(Protocol):
@@ -52,12 +55,19 @@ class WallSolution(Protocol):
     def traction(self) -> PatchField: ...
 
 
-def draw_traction(solution: WallSolution, path: str | Path, *, size: Size = (1800, 1300)) -> Path:
-    """Picture of the traction's magnitude and of the shear stress on the walls.
+def draw_traction(
+    solution: WallSolution,
+    path: str | Path,
+    *,
+    units: UnitNames | None = None,
+    size: Size = (1800, 1300),
+) -> Path:
+    """Picture of both parts of the traction on the walls: pressure, and the shear stress.
 
     Two views from opposite corners; walls between the viewer and the fluid are left out, so
-    that one sees the channel's inside.  Walls are the patches that do not slip.  Colours end at
-    the 99th percentile, as traction may be singular at edges.  Raises ``SelectionError`` when
+    that one sees the channel's inside.  Walls are the patches that do not slip.  Colours leave
+    out a hundredth of the points, as traction may be singular at edges.  ``units`` are what labels
+    say (``length``, ``time``, ``pressure``).  Raises ``SelectionError`` when
     nothing is a wall, ``DisplayError`` where pictures cannot be drawn.
     """
     boundary = solution.space.boundary
@@ -77,8 +87,10 @@ def draw_traction(solution: WallSolution, path: str | Path, *, size: Size = (180
             add_axes(plotter)
         strip(plotter)
         for i, (quantity, actor) in enumerate(bars.items()):
-            colour_bar(plotter, actor, quantity_label(quantity, boundary.unit), 0.24 + 0.4 * i, 0.3)
-        add_text(plotter, size_label(extent, boundary.unit), (0.02, 0.72), scaled(plotter, SMALL))
+            label = quantity_label(quantity, boundary.unit, units)
+            colour_bar(plotter, actor, label, 0.24 + 0.4 * i, 0.3)
+        unit = length_unit(boundary, units)
+        add_text(plotter, size_label(extent, unit), (0.02, 0.72), scaled(plotter, SMALL))
     return Path(path)
 
 
@@ -95,8 +107,13 @@ def _walls(solution: WallSolution) -> Sequence[int]:
 def _add_stresses(surface: Any) -> None:
     traction: Array = np.asarray(surface.point_data["traction"]).T
     normal: Array = np.asarray(surface.point_data["Normals"]).T
-    values = np.linalg.norm(traction, axis=0), wall_stresses(traction, normal)[1]
+    values = wall_stresses(traction, normal)
     surface.point_data.update(dict(zip(_QUANTITIES, values, strict=True)))
+
+
+def _limits(quantity: str, values: Array) -> tuple[float, float]:
+    low, high = np.percentile(values, [0.5, 99.5])
+    return colour_limits(low if quantity == "pressure" else 0.0, high)
 
 
 def _add_inside(plotter: Any, surface: Any, quantity: str) -> Any:
@@ -105,7 +122,7 @@ def _add_inside(plotter: Any, surface: Any, quantity: str) -> Any:
         surface.copy(deep=False),
         scalars=quantity,
         cmap=COLOUR_MAP,
-        clim=[0, np.percentile(surface.point_data[quantity], 99)],
+        clim=_limits(quantity, surface.point_data[quantity]),
         culling="back",
         ambient=0.85,
         diffuse=0.15,

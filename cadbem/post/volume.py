@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.post.display import load_pyvista
+from cadbem.post.sampling import in_portions
 from cadbem.quadrature import Quadrature
 from cadbem.spline.basis import Array
 
@@ -30,6 +31,6 @@ def volume_grid(points: Array, tetrahedra: NDArray[np.int64], solution: Flow) ->
     """
     pyvista = load_pyvista()
     grid = pyvista.UnstructuredGrid({pyvista.CellType.TETRA: tetrahedra.T}, points.T.copy())
-    grid.point_data["velocity"] = solution.velocity_at(points, SEEN).T
-    grid.point_data["pressure"] = solution.pressure_at(points, SEEN)
+    grid.point_data["velocity"] = in_portions(solution.velocity_at, points, SEEN, "velocity").T
+    grid.point_data["pressure"] = in_portions(solution.pressure_at, points, SEEN, "pressure")
     return grid

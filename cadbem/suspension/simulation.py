@@ -25,6 +25,7 @@ from cadbem.suspension.stepping import Adaptive, Step, Stepper
 from cadbem.suspension.surroundings import Surroundings
 from cadbem.suspension.together import respond_together
 from cadbem.suspension.volume import CorrectVolume
+from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
@@ -85,6 +86,7 @@ class Simulation:
 
         From that, as ``since``, another call goes on as if there had been no pause.
         """
+        check("end and every", (end, every), "time")
         if not end > 0 or every is not None and not every > 0:
             raise ShapeError(f"run(end={end}, every={every}): times must be positive")
         if since is None:

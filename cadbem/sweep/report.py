@@ -10,8 +10,8 @@ from typing import Any
 
 import numpy as np
 
+from cadbem.files import write_whole
 from cadbem.post.plots import Curve, Plot, draw_plots
-from cadbem.results.files import write_whole
 from cadbem.sweep.point import Point
 
 SIDE_BY_SIDE = 3  # plots in a picture

@@ -9,9 +9,9 @@ from pathlib import Path
 from typing import Any
 
 from cadbem.errors import CadbemError, ResultsError
+from cadbem.files import locked, make_folder, told, write_whole
 from cadbem.operators.pool import CORES
 from cadbem.progress import notice, progress
-from cadbem.results.files import locked, make_folder, told, write_whole
 from cadbem.sweep.engines import on_a_cluster, on_this_machine
 from cadbem.sweep.point import Point
 from cadbem.sweep.report import draw_table, write_table
@@ -60,11 +60,8 @@ def resume_sweep(folder: str | os.PathLike[str]) -> int:
     points = _points(place, asked, cores)
     left = [point for point in points if point.summary is None]
     with locked(place):
-        if not asked["cluster"]:
-            _compile(left)
-        engine = on_a_cluster(left, asked["cluster"]) if asked["cluster"] else on_this_machine(
-            left, jobs
-        )
+        cluster = asked["cluster"]
+        engine = on_a_cluster(left, cluster) if cluster else on_this_machine(left, jobs)
         with progress(label="sweep", total=len(points), initial=len(points) - len(left)) as bar:
             for point, well in engine:
                 if not well:
@@ -87,10 +84,3 @@ def _points(place: Path, asked: dict[str, Any], cores: int) -> list[Point]:
     pairs = zip(folders, points, strict=True)
     return [Point(folder, script, values, others, cores) for folder, values in pairs]
 
-
-def _compile(left: Sequence[Point]) -> None:
-    """Compile once, rather than in each process at a time."""
-    if left:
-        from cadbem.warmup import warm_up
-
-        warm_up()
