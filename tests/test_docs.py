@@ -49,7 +49,7 @@ def test_pages_are_in_the_table_of_contents():
     text = (ROOT / "docs" / "index.md").read_text()
     missing = [
         page.stem for page in (ROOT / "docs").glob("*.md")
-        if page.stem != "index" and not re.search(rf"^{page.stem[:7]}", text, re.MULTILINE)
+        if page.stem != "index" and not re.search(rf"^{page.stem}$", text, re.MULTILINE)
     ]  # fmt: skip
     assert not missing
 
