@@ -15,13 +15,32 @@ if TYPE_CHECKING:
     from cadbem.cad import read_cad as read_cad
     from cadbem.cad import read_outline as read_outline
     from cadbem.cad import write_patches as write_patches
+    from cadbem.design.deformation_limit import ShearDeformation as ShearDeformation
+    from cadbem.design.deformation_limit import largest_capillary as largest_capillary
+    from cadbem.design.deformation_limit import largest_deformation as largest_deformation
+    from cadbem.design.fate import Fate as Fate
+    from cadbem.design.fate import droplet_fate as droplet_fate
+    from cadbem.design.fate import droplet_fates as droplet_fates
+    from cadbem.design.fate import fate_of as fate_of
+    from cadbem.design.network import Network as Network
+    from cadbem.design.network import OperatingPoint as OperatingPoint
+    from cadbem.design.network import hydraulic_network as hydraulic_network
+    from cadbem.design.network import network_of as network_of
+    from cadbem.design.starts import Starts as Starts
+    from cadbem.design.starts import inlet_starts as inlet_starts
+    from cadbem.design.tracers import Tracers as Tracers
+    from cadbem.design.tracers import trace as trace
+    from cadbem.design.wall_shear import WallShear as WallShear
+    from cadbem.design.wall_shear import wall_shear as wall_shear
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
     from cadbem.errors import CadWarning as CadWarning
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
+    from cadbem.errors import ResultsError as ResultsError
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
+    from cadbem.errors import UnitsError as UnitsError
     from cadbem.extension import extended as extended
     from cadbem.operators.equivalent import FarField as FarField
     from cadbem.operators.storage import Compressed as Compressed
@@ -36,7 +55,6 @@ if TYPE_CHECKING:
     from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
     from cadbem.post import draw_paths as draw_paths
-    from cadbem.post import draw_run as draw_run
     from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_series as draw_series
     from cadbem.post import draw_slices as draw_slices
@@ -66,7 +84,11 @@ if TYPE_CHECKING:
     from cadbem.quadrature.closed import PolarRule as PolarRule
     from cadbem.quadrature.closed import SingularitySubtraction as SingularitySubtraction
     from cadbem.quadrature.options import Quadrature as Quadrature
-    from cadbem.script import fresh_folder as fresh_folder
+    from cadbem.results import RunFolder as RunFolder
+    from cadbem.results import StoredRun as StoredRun
+    from cadbem.results import open_run as open_run
+    from cadbem.results import render as render
+    from cadbem.results import run_folder as run_folder
     from cadbem.script import run as run
     from cadbem.script import text_table as text_table
     from cadbem.space import Field as Field
@@ -122,20 +144,32 @@ if TYPE_CHECKING:
     from cadbem.suspension.stepping import Euler as Euler
     from cadbem.suspension.thesis import thesis_methods as thesis_methods
     from cadbem.suspension.volume import CorrectVolume as CorrectVolume
+    from cadbem.units import Numbers as Numbers
+    from cadbem.units import Quantity as Quantity
+    from cadbem.units import Units as Units
+    from cadbem.units import numbers as numbers
 
 __version__ = "0.1.0"
 
 _NAMES = {
     "boundary": ("Boundary", "Patch"),
     "cad": ("inspect_cad", "mesh_volume", "read_cad", "read_outline", "write_patches"),
+    "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
+    "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
+    "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
+    "design.starts": ("Starts", "inlet_starts"),
+    "design.tracers": ("Tracers", "trace"),
+    "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
         "CadError",
         "CadWarning",
         "CadbemError",
         "ConditionError",
         "DisplayError",
+        "ResultsError",
         "SelectionError",
         "ShapeError",
+        "UnitsError",
     ),
     "extension": ("extended",),
     "operators.equivalent": ("FarField",),
@@ -150,7 +184,6 @@ _NAMES = {
         "draw_movie",
         "draw_outlines",
         "draw_paths",
-        "draw_run",
         "draw_scene",
         "draw_series",
         "draw_slices",
@@ -181,7 +214,8 @@ _NAMES = {
     "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
     "operators.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
-    "script": ("fresh_folder", "run", "text_table"),
+    "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
+    "script": ("run", "text_table"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
     "spline.closed": (
@@ -231,6 +265,7 @@ _NAMES = {
     "suspension.stepping": ("Adaptive", "Euler"),
     "suspension.thesis": ("thesis_methods",),
     "suspension.volume": ("CorrectVolume",),
+    "units": ("Numbers", "Quantity", "Units", "numbers"),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}
 

@@ -136,6 +136,11 @@ class Boundary:
         number = f"face {patch.face}" if patch.face else f"patch {index}"
         return f"{number} '{patch.name}' at {middle}" if patch.name else f"{number} at {middle}"
 
+    def transformed(self, matrix: ArrayLike, shift: ArrayLike = 0.0) -> Boundary:
+        """Every point x moved to ``matrix`` x + ``shift``, a rotation and a vector (dim,)."""
+        moved = [replace(p, surface=p.surface.transformed(matrix, shift)) for p in self.patches]
+        return replace(self, patches=tuple(moved))
+
     def elevated(self, degree: int) -> Boundary:
         """Every patch raised to at least ``degree`` in each direction; the shape stays."""
         return self._mapped(lambda s: s.elevated((degree,) * len(s.degrees)))

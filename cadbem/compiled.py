@@ -18,7 +18,8 @@ from typing import Any
 
 from numba import njit
 from numba.core.caching import FunctionCache, IndexDataCacheFile
-from tqdm import tqdm
+
+from cadbem.progress import notice
 
 MARK = b"cadbem.compiled"
 PATIENCE = 2.0  # seconds of compiling after which a user is told
@@ -66,7 +67,7 @@ class _Watch:
         if not self.told and self.spent + now - self.since > PATIENCE:
             self.told = True
             text = "compiling, which is kept for later runs; `cadbem warmup` does it beforehand"
-            tqdm.write(text, file=sys.stderr)
+            notice(text)
 
     def stop(self) -> None:
         """It is compiled."""

@@ -31,3 +31,11 @@ class ShapeError(CadbemError):
 
 class SolverError(CadbemError):
     """An iteration did not converge."""
+
+
+class ResultsError(CadbemError):
+    """A run's folder cannot be written, read or gone on with."""
+
+
+class UnitsError(CadbemError):
+    """A quantity is not understood, has another dimension than is asked for, or another unit."""

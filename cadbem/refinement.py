@@ -8,8 +8,8 @@ from math import ceil, log
 
 import numpy as np
 from numpy.typing import ArrayLike
-from tqdm import tqdm
 
+from cadbem.progress import progress
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
@@ -71,7 +71,7 @@ def count_rule(
         raise ValueError(f"there are {least} elements already, more than {elements}")
     points = np.concatenate([s.points.reshape(-1, s.dimension) for s in splines])
     coarse = fine = 2 * float(np.linalg.norm(np.ptp(points, axis=0)))
-    with tqdm(desc="sizes of elements", delay=2, leave=False, disable=None) as bar:
+    with progress(label="sizes of elements") as bar:
         while _element_count(splines, size_rule(fine, near, growth)) <= elements:
             coarse, fine = fine, fine / 2
             bar.update()

@@ -3,39 +3,69 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import inspect
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
 from cadbem.errors import CadbemError
+from cadbem.progress import verbose
+
+USER_MISTAKE, INTERRUPTED = 2, 130
+# what a file system may answer without anything being wrong with a script
+REFUSALS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM}
 
 
 def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
     """Call ``main`` with its defaults, changed by options of the command line.
 
-    The type of a default is the type of its option; ``output`` also answers to -o.  The text at
-    the top of main's module is the help text.  Mistakes in the input end the process with one
-    line and exit code 2.
+    The type of a default is the type of its option, a truth value's option needs no value;
+    ``output`` also answers to -o.  The text at the top of main's module is the help text.  Mistakes
+    in the input end the process with one line and exit code 2, Ctrl-C with 130.
     """
     parser = _Parser(
         description=(inspect.getmodule(main).__doc__ or "").strip(),  # type: ignore[union-attr]
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
     for name, parameter in inspect.signature(main).parameters.items():
-        short = ["-o"] if name == "output" else []
-        parser.add_argument(
-            *short,
-            f"--{name.replace('_', '-')}",
-            type=type(parameter.default),
-            default=parameter.default,
-            metavar=name.upper(),
-            help=f"default: {parameter.default}",
-        )
+        _add_option(parser, name, parameter.default)
+    values: dict[str, Any] = {}
     try:
-        return main(**vars(parser.parse_args(arguments)))
+        values = vars(parser.parse_args(arguments))
+        return main(**values)
     except CadbemError as error:
-        parser.exit(2, f"cadbem: {error}\n")
+        if verbose():
+            raise
+        parser.exit(USER_MISTAKE, f"cadbem: {' '.join(str(error).split())}\n")
+    except OSError as error:
+        if error.errno not in REFUSALS:
+            raise
+        parser.exit(USER_MISTAKE, f"cadbem: {error.filename or 'output'}: {error.strerror}\n")
+    except KeyboardInterrupt:
+        parser.exit(INTERRUPTED, f"cadbem: interrupted{_remedy(values)}\n")
+
+
+def _add_option(parser: argparse.ArgumentParser, name: str, default: Any) -> None:
+    short = ["-o"] if name == "output" else []
+    option = f"--{name.replace('_', '-')}"
+    if isinstance(default, bool):
+        text = "go on with the run in the folder" if name == "resume" else None
+        parser.add_argument(option, action="store_true", default=default, help=text)
+        return
+    text = f"default: {default}"
+    kind: Any = type(default)
+    parser.add_argument(
+        *short, option, type=kind, default=default, metavar=name.upper(), help=text
+    )
+
+
+def _remedy(values: Mapping[str, Any]) -> str:
+    """How an interrupted run can go on, if it can."""
+    output = values.get("output")
+    if "resume" in values and output and Path(output, "run.json").exists():
+        return f"; go on with 'cadbem resume {output}'"
+    return ""
 
 
 class _Parser(argparse.ArgumentParser):
@@ -43,26 +73,6 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise CadbemError(f"{self.prog}: {message}; --help lists the options")
-
-
-def fresh_folder(path: str | Path) -> Path:
-    """Make and return the folder ``path``; if it holds something, path-2, path-3, ... instead.
-
-    Raises ``CadbemError`` when it cannot be made.
-    """
-    wanted = Path(path)
-    folder, number = wanted, 1
-    try:
-        while folder.exists() and any(folder.iterdir()):
-            number += 1
-            folder = wanted.with_name(f"{wanted.name}-{number}")
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise CadbemError(
-            f"{folder}: no folder for results can be made there ({error.strerror}); "
-            "choose another with -o"
-        ) from error
-    return folder
 
 
 def text_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:

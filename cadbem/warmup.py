@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.compiled import quietly
@@ -19,6 +18,7 @@ from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
 from cadbem.problems.heat import HeatProblem
 from cadbem.problems.heat_conditions import HeatCondition, HeatFlux, Temperature
 from cadbem.problems.stokes import StokesProblem
+from cadbem.progress import progress
 from cadbem.quadrature import Quadrature, Rules, UniformSubdivision
 from cadbem.quadrature.panels import closest_on_panels
 from cadbem.space import discontinuous_space
@@ -39,13 +39,13 @@ Step = tuple[str, Callable[[], object]]
 FAR = 100  # elements along an edge from which some are far from each other
 
 
-def warm_up(progress: bool = True) -> str | None:
+def warm_up() -> str | None:
     """Run every compiled function once, so that its machine code is on disk.
 
     Returns the folder where it is, or above where it is; None if there is none to write to.
     """
     steps = list(_steps())
-    with quietly(), tqdm(total=len(steps), disable=None if progress else True) as bar:
+    with quietly(), progress(total=len(steps)) as bar:
         for name, step in steps:
             bar.set_description(f"compiling for {name}")
             step()

@@ -9,6 +9,7 @@ from math import pi
 from pathlib import Path
 
 import gmsh
+import numpy as np
 import pytest
 
 import cadbem
@@ -17,7 +18,7 @@ from cadbem.cli import main
 
 ROOT = Path(__file__).resolve().parents[1]
 SQUARE = ROOT / "geometries" / "square_channel.step"
-HEAVY = {"gmsh", "pyvista", "vtkmodules", "numba", "scipy", "meshio", "matplotlib"}
+HEAVY = {"gmsh", "pint", "pyvista", "vtkmodules", "numba", "scipy", "meshio", "matplotlib"}
 
 
 def cadbem_process(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
@@ -326,7 +327,7 @@ def test_wrong_usage_is_one_line(arguments):
     assert "--help" in run.stderr
 
 
-@pytest.mark.parametrize("command", ["info", "view", "run", "warmup"])
+@pytest.mark.parametrize("command", ["info", "view", "run", "resume", "render", "sweep", "warmup"])
 def test_help_gives_an_example(capsys, command):
     with pytest.raises(SystemExit, match="0"):
         main([command, "--help"])
@@ -370,3 +371,74 @@ def test_setup_names_missing_libraries_and_stops(tmp_path):
     assert run.returncode == 1
     assert run.stderr.count("\n") == 1
     assert "apt-get install -y libegl1 libxft2" in run.stderr
+
+
+RESUMABLE = '''"""A plane droplet in shear."""
+import cadbem as cb
+
+
+def main(output: str = "out", end: float = 1.0, resume: bool = False, crash: float = 9.0):
+    folder = cb.run_folder(output, resume=resume)
+    tension = cb.capillary_tension(0.3)
+    droplet = cb.Droplet(cb.spline_circle(points=24), tension)
+    simulation = cb.Simulation(cb.FreeFlow(cb.shear(dimension=2)), droplet)
+    for state in folder.run(simulation, end, every=0.1):
+        if state.time > crash and not resume:
+            raise KeyboardInterrupt
+    folder.summary({"D": cb.taylor_deformation(state.droplet.shape)})
+
+
+if __name__ == "__main__":
+    cb.run(main)
+'''
+
+
+@pytest.fixture
+def droplet_script(tmp_path):
+    script = tmp_path / "droplet.py"
+    script.write_text(RESUMABLE)
+    return script
+
+
+def test_interrupted_run_says_how_to_go_on_and_does(droplet_script, tmp_path, capsys):
+    """Interrupted at τ > 0.07, gone on with to τ = 1.2, later than asked at first: frames at every
+    0.1, and a droplet that was round only grows longer so early."""
+    folder = tmp_path / "out"
+    run = cadbem_process("run", droplet_script, "-o", folder, "--crash", "0.07")
+    assert run.returncode == 130
+    assert run.stderr == f"cadbem: interrupted; go on with 'cadbem resume {folder}'\n"
+    stored = cadbem.open_run(folder)
+    assert stored.times[-1] < 0.9
+    run = cadbem_process("resume", folder, "--end", "1.2")
+    assert (run.returncode, run.stderr) == (0, f"{folder}: end is 1.2, was 1.0\n")
+    run = cadbem.open_run(folder)
+    assert run.times == pytest.approx(np.linspace(0, 1.2, 13))
+    assert (np.diff(run.body_table["deformation"]) > 0).all()
+    assert main(["render", str(folder)]) == 0
+    drawn = {Path(line).name for line in capsys.readouterr().out.splitlines()}
+    assert drawn == {"movie.mp4", "movie.gif", "filmstrip.png", "series.png"}  # it stays where it is
+
+
+def test_run_that_cannot_go_on(tmp_path, capsys):
+    script = tmp_path / "once.py"
+    script.write_text(
+        "import cadbem as cb\ndef main(output: str = ''):\n    cb.run_folder(output)\ncb.run(main)"
+    )
+    folder = tmp_path / "out"
+    assert cadbem_process("run", script, "-o", folder).returncode == 0
+    assert "takes no 'resume'" in mistake(capsys, "resume", folder)
+    assert "holds no frames" in mistake(capsys, "render", folder)
+    assert "holds no run" in mistake(capsys, "resume", tmp_path)
+
+
+def test_quiet_and_verbose(droplet_script, tmp_path):
+    """Verbose tells of each stage and gives the traceback of a mistake."""
+    script = tmp_path / "mistake.py"
+    script.write_text("import cadbem\nraise cadbem.ConditionError('no inlet')")
+    run = cadbem_process("run", "--verbose", script)
+    assert run.returncode == 2
+    assert "Traceback" in run.stderr and run.stderr.endswith("cadbem: no inlet\n")
+    run = cadbem_process("run", "--verbose", droplet_script, "-o", tmp_path / "out")
+    assert run.returncode == 0 and "done at t = 1, 11 frames" in run.stderr
+    run = cadbem_process("run", "--quiet", droplet_script, "-o", tmp_path / "other")
+    assert (run.returncode, run.stdout, run.stderr) == (0, "", "")

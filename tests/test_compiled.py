@@ -116,7 +116,7 @@ import numpy as np
 from test_compiled import compiled_functions
 from cadbem.warmup import _channel, warm_up
 
-warm_up(progress=False)
+warm_up()
 functions = [(m.__name__ + "." + n, f) for m, n, f in compiled_functions()
              if f.targetoptions.get("inline") != "always"]
 missing = [name for name, function in functions if not function.signatures]

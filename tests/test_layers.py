@@ -6,15 +6,20 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
-    {"errors", "compiled"},
+    {"errors", "progress"},
+    {"compiled", "files", "units"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},
     {"cad", "space"},
     {"operators"},
     {"problems"},
     {"suspension"},
-    {"results", "post", "warmup"},
-    {"script", "cli", "cli_report", "__init__", "__main__"},
+    {"post", "warmup", "design"},
+    {"results", "verification"},
+    {"sweep"},
+    {"script", "__init__"},
+    {"cli"},
+    {"__main__"},
 )
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
 OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}

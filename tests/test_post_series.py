@@ -83,6 +83,21 @@ def test_mean_curvature():
     np.testing.assert_allclose(plane["mean curvature"], 5.0, rtol=1e-4)
 
 
+def test_curves_in_a_plane(tmp_path):
+    """The circle (x - 1)² + (y - 2)² = 0.2² as rational curves, with a velocity (y, -x, 0) that is
+    linear in the coordinates, and so exact."""
+    drop = spline_circle(0.2, (1.0, 2.0), points=48)
+    x, y = drop.coefficients
+    frame = Frame(0.0, {1: drop}, {1: {"velocity": np.stack([y, -x])}})
+    grid = pyvista.read(write_frame(tmp_path, 0, frame))
+    assert set(grid.celltypes) == {pyvista.CellType.BEZIER_CURVE}
+    curve = grid.extract_surface(nonlinear_subdivision=4, algorithm="dataset_surface")
+    radius = np.linalg.norm(curve.points - [1.0, 2.0, 0.0], axis=1)
+    np.testing.assert_allclose(radius, 0.2, rtol=1e-5)
+    expected = curve.points[:, [1, 0, 2]] * [1, -1, 0]
+    np.testing.assert_allclose(curve.point_data["velocity"], expected, atol=1e-6)
+
+
 def test_frame_by_frame(tmp_path):
     """A run that is being written: each list of times replaces the one before, nothing is left
     behind, and the last one is as if all had been written at once."""
@@ -97,9 +112,7 @@ def test_frame_by_frame(tmp_path):
 
 
 def test_mistakes(tmp_path):
-    flat, drop = spline_circle(0.2, (0, 0), points=16), ball(0.5)
-    with pytest.raises(ShapeError, match="write_frames is for 3D"):
-        write_frames(tmp_path, [Frame(0.0, {1: flat})])
+    drop = ball(0.5)
     with pytest.raises(CadbemError, match="at least one frame"):
         write_frames(tmp_path, [])
     wrong = Frame(0.0, {3: drop}, {3: {"speed": np.zeros(7)}})

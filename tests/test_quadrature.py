@@ -9,47 +9,13 @@ import pytest
 from shapes import octant, quarter_cylinder, unit_square
 
 from cadbem.operators.panels import split_patch, tensor_nodes
-from cadbem.points import surface_points
 from cadbem.quadrature import Quadrature, UniformSubdivision, near
 from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit
-from cadbem.quadrature.panels import closest_on_panels, open_squares
-from cadbem.quadrature.polar import WHOLE, collapsed_sides
-from cadbem.quadrature.uniform import subdivided_nodes, triangle_nodes
 from cadbem.spline.shapes import sphere_octants
+from cadbem.verification.rules import even_rule, near_rule
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 TOLERANCES = (1e-6, 1e-8, 1e-10)
-
-
-def near_rule(surface, target, tolerance, own=None):
-    """Nodes (3, n), weights with Jacobian, of the rule for one target on all panels.
-
-    ``own`` (u, v) says that the target lies on the surface there.
-    """
-    panels = split_patch(surface)
-    nets = panels.flat_nets
-    index = np.arange(len(nets))
-    closest = np.empty((3, len(nets)))
-    u, v, samples = panels.samples
-    x = np.asarray(target, dtype=float).reshape(3, 1)
-    closest_on_panels(x, 0 * index, index, nets, open_squares(nets), u, v, samples, closest)
-    if own is not None:
-        closest[:, 0] = *own, 0.0
-    p, q = surface.degrees
-    capacity = 100_000
-    position, normal, weight = np.empty((3, capacity)), np.empty((3, capacity)), np.empty(capacity)
-    bu, bv = np.empty((p + 1, capacity)), np.empty((q + 1, capacity))
-    starts, foot = np.empty(len(nets) + 1, dtype=np.int64), np.empty((3, len(nets)))
-    done = near.place_nodes(
-        nets, WHOLE, collapsed_sides(nets), index, 0, *closest,
-        tolerance, None, 0, near.gauss_table(),
-        starts, foot, None, position, normal, weight, bu, bv,
-    )  # fmt: skip
-    assert done == len(nets)
-    owner = np.repeat(index, np.diff(starts))
-    count = starts[-1]
-    function = np.einsum("kij,ik,jk->k", nets[owner, :, :, 3], bu[:, :count], bv[:, :count])
-    return position[:, :count] + foot[:, owner], weight[:count] * function
 
 
 def distance(position, target):
@@ -172,65 +138,14 @@ def test_tensor_rules_hold_their_promise(tolerance, degree):
             source = np.array([0.5, 0.5 + 0.5 * direction[1], 0]) + reach * np.array(direction)
             for power in (1, 3):
                 ours, exact, kernel = (
-                    (part.position[1] ** k / distance(part.position.reshape(3, -1), source) ** power
-                    ).ravel() @ part.weight.ravel()
+                    (
+                        part.position[1] ** k
+                        / distance(part.position.reshape(3, -1), source) ** power
+                    ).ravel()
+                    @ part.weight.ravel()
                     for part, k in ((nodes, degree), (fine, degree), (fine, 0))
                 )
                 assert abs(ours - exact) < tolerance * kernel
-
-
-def uniform_rule(surface, pieces, order=10):
-    """The thesis's rule on the whole surface as one element, also if it is a wide arc."""
-    nodes = np.empty((3, (order * pieces) ** 2))
-    count = subdivided_nodes(order, pieces, near.gauss_table(), nodes)
-    points = surface_points(surface, *nodes[:2, :count])
-    return points.position, nodes[2, :count] * points.jacobian
-
-
-def test_the_thesis_own_numbers_cylinder():
-    """Printed columns of table 2.1, standard and adaptive (at 2.2 the print contradicts its
-    rule, which gives 0.24474870 from 2 × 2 parts)."""
-    printed = {
-        3.0: (0.13245704, 0.13245704), 2.4: (0.20073733, 0.20073733),
-        2.1: (0.27639831, 0.27705677), 2.01: (0.31295413, 0.32201384),
-        2.001: (0.31687109, 0.32979370), 2.2: (0.24470265, 0.24474870),
-    }  # fmt: skip
-    rules = UniformSubdivision(limit=1000, singularity=1)
-    for delta, columns in printed.items():
-        source = [cos(pi / 4), delta, sin(pi / 4)]
-        pieces = rules.pieces(np.array([2.0]), np.array([delta - 2.0]))[0]
-        for parts, expected in zip((1, pieces), columns, strict=True):
-            t, w = gauss_on_breaks(10, np.linspace(0, 1, int(parts) + 1))
-            arc = surface_points(quarter_cylinder(), t, np.zeros_like(t))
-            across = (arc.position[0] - source[0]) ** 2 + (arc.position[2] - source[2]) ** 2
-            r = np.sqrt(across[:, None] + (2 * t - source[1]) ** 2)
-            value = (w * arc.jacobian) @ (1 / (4 * pi * r)) @ w
-            assert value == pytest.approx(expected, abs=6e-9)
-
-
-def test_the_thesis_own_numbers_octant():
-    """Printed columns of table 2.2 for k = 20, 18, 17 (2, 3 and 5 parts)."""
-    printed = {
-        20: (0.19197182, 0.19207505, 2), 18: (0.27688449, 0.28299932, 3),
-        17: (0.33875882, 0.38272197, 5),
-    }  # fmt: skip
-    for share, (standard, adaptive, pieces) in printed.items():
-        theta = share * pi / 32
-        source = np.array([cos(theta), sin(theta), 1.0]) * sqrt(0.5)
-        for parts, expected in ((1, standard), (pieces, adaptive)):
-            position, weight = uniform_rule(octant(), parts)
-            r = distance(position, source)
-            value = weight @ ((position[0] - source[0]) / (4 * pi * r**3))
-            assert value == pytest.approx(expected, abs=6e-9)
-
-
-def test_the_thesis_own_numbers_plane():
-    """Printed polar column of table 2.3: ten nodes a direction in each triangle."""
-    for xi, expected in ((0.75, -2.057678), (0.875, -3.129290), (0.995, -4.203397)):
-        nodes = np.empty((3, 400))
-        count = triangle_nodes(xi, 0.25, 10, near.gauss_table(), nodes)
-        x, y = 2 * nodes[0, :count] - 2 * xi, 4 * nodes[1, :count] - 1
-        assert 8 * nodes[2, :count] @ (x / (x**2 + y**2)) == pytest.approx(expected, abs=6e-7)
 
 
 def test_uniform_subdivision_fails_where_its_limit_bites():
@@ -238,7 +153,7 @@ def test_uniform_subdivision_fails_where_its_limit_bites():
     the default rule is right."""
     rules = UniformSubdivision()
     assert rules.pieces(np.ones(3), np.array([1.0, 0.1, 1e-3])).tolist() == [1, 3, 20]
-    position, weight = uniform_rule(unit_square(), 20)
+    position, weight = even_rule(unit_square(), 20)
     source = [0.525, 0.525, 1e-3]
     value = weight @ (1e-3 / distance(position, source) ** 3)
     sides = (0.525, 0.475)

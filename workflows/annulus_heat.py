@@ -10,7 +10,7 @@ from scipy.optimize import brentq
 
 import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots, fitted_order
-from cadbem.spline.outlines import circle, line
+from cadbem.verification.heat import error_on_sides, quarter_ring
 
 SLOPE = brentq(
     lambda c: c / 2 + (1 + c * np.log(2)) + (2 + c * np.log(2)) ** 4 - 1, -2.0, 0.0, xtol=1e-15
@@ -20,18 +20,6 @@ DIRECTION = np.array([np.cos(0.6), np.sin(0.6)])
 
 def exact(points: np.ndarray) -> np.ndarray:
     return 2 + SLOPE * np.log(np.linalg.norm(points, axis=0))
-
-
-def quarter_ring() -> cb.Boundary:
-    """Normals, to the right of each curve's direction, point into the body."""
-    return cb.Boundary(
-        (
-            cb.Patch(circle(1.0)[0], "inner"),
-            cb.Patch(circle(2.0, inwards=True)[-1], "outer"),
-            cb.Patch(line((2, 0), (1, 0)), "symmetry"),
-            cb.Patch(line((0, 1), (0, 2)), "symmetry"),
-        )
-    )
 
 
 def solve(degree: int, spans: int, tolerance: float) -> cb.HeatSolution:
@@ -48,17 +36,10 @@ def solve(degree: int, spans: int, tolerance: float) -> cb.HeatSolution:
     return problem.solve()
 
 
-def error_on_sides(solution: cb.HeatSolution) -> float:
-    """Mean absolute percentage error at the collocation points of the straight sides."""
-    space = solution.space
-    sides = slice(space.offsets[2], space.offsets[4])
-    temperature = space.values(solution.temperature.coefficients)[0, sides]
-    return 100 * abs(temperature / exact(space.collocation.position[:, sides]) - 1).mean()
-
-
 def main(
     output: str = "results/annulus_heat", finest: int = 32, tolerance: float = 1e-12
 ) -> cb.HeatSolution:
+    folder = cb.run_folder(output)
     radii = np.linspace(1.05, 1.95, 25)
     inside = np.outer(DIRECTION, radii)
     convergence = []
@@ -74,9 +55,9 @@ def main(
             print(f"{degree:6d}  {counts[-1]:6d}  {errors[-1]:23.2e}  {worst:20.2e}  {order}")
         convergence.append(Curve(counts, errors, f"degree {degree}", marks=True))
     print(f"heat that passes {solution.heat_rate('inner'):.12f}, exact {-SLOPE * np.pi / 2:.12f}")
+    folder.summary({"points": counts[-1], "mean error on sides (%)": errors[-1]})
 
-    if output:
-        folder = cb.fresh_folder(output)
+    if folder:
         fine = np.linspace(1, 2, 101)
         profile = [
             Curve(fine, exact(np.outer(DIRECTION, fine)), "exact"),

@@ -55,7 +55,9 @@ def main(
     tolerance: float = 1e-2,
     end: float = 10.0,
     every: float = 0.05,
+    resume: bool = False,
 ) -> Passage:
+    folder = cb.run_folder(output, GEOMETRY, resume=resume)
     flow = empty_channel(element_size, viscosity, mean_velocity)
     speed = mean_velocity * WIDEST / THROAT
     print(f"throat: mean velocity {speed:g} mm/s, Ca = {viscosity * speed / tension:g}")
@@ -64,11 +66,16 @@ def main(
     shape = cb.spline_sphere(radius, (start, 0.0, 0.0), points)
     droplet = cb.Droplet(shape, cb.SurfaceTension(tension), viscosity_ratio)
     simulation = cb.Simulation(flow, droplet, stepper=cb.Adaptive(tolerance))
-    passage = told(cb.record(simulation.run(end, every)), flow.empty)
+    passage = told(cb.record(folder.run(simulation, end, every)), flow.empty)
 
     report(passage)
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({
+        "largest D": passage.deformation.max(),
+        "largest extra pressure (Pa)": passage.extra_pressure.max(),
+        "narrowest gap (mm)": passage.gap.min(),
+        "end (s)": passage.run.last.time,
+    })
+    if folder:
         draw(folder, flow.problem.boundary, passage)
         print(f"the pictures are in {folder}")
     return passage
@@ -138,7 +145,7 @@ def report(passage: Passage) -> None:
         print(f"ended: {last.stopped}")
 
 
-def draw(folder: Path, channel: cb.Boundary, passage: Passage) -> None:
+def draw(folder: cb.RunFolder, channel: cb.Boundary, passage: Passage) -> None:
     """What is told, over time and over the way; the path, a film strip and a movie."""
     x, way, found = passage.x, "x of the centre (mm)", passage.deformation
     over_time = Plot("t (s)", "D", [Curve(passage.run.times, found)])

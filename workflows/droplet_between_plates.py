@@ -9,7 +9,8 @@ Ca = 0.2, λ = 1, R / W = 0.8 come from a spectral computation.
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -18,6 +19,8 @@ import cadbem as cb
 from cadbem.boundary import Boundary, Patch
 from cadbem.post.plots import Curve, Plot, draw_plots
 from cadbem.spline.shapes import parallelogram
+from cadbem.verification.plates import between_plates
+from cadbem.verification.theory import shapira_haber
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
     "drop_3d_between_plates_Ca0.2_lambda1_RW0.8"
@@ -29,37 +32,15 @@ FREE = 0.2231154  # true steady D without plates, Ca = 0.2, λ = 1
 PLATE = {"side": 12.0, "spans": 8, "rings": 2}  # the side in W; elements across and outwards
 EVERY = 0.1  # τ between states that are kept
 Runs = dict[tuple, cb.History]
-
-
-def between_plates(half_width: float, side: float, spans: int, rings: int) -> cb.ChannelFlow:
-    """Shear flow between plates of a ``side`` in half widths, with ``spans`` elements a side of
-    their middle, and ``rings`` outwards."""
-    middle = max(3.5, 2 * half_width)
-    square = cb.plate(middle, side * half_width, degree=2, spans=spans, rings=rings)
-    heights = {"plate_low": -half_width, "plate_high": half_width}
-    patches = [
-        Patch(surface.transformed(np.eye(3), np.array([0.0, 0.0, z])), name)
-        for name, z in heights.items()
-        for surface in square
-    ]
-    speeds = {name: cb.Velocity((z, 0.0, 0.0)) for name, z in heights.items()}
-    shear = cb.Background(lambda x: np.stack([x[2], 0 * x[0], 0 * x[0]]))
-    boundary = Boundary(tuple(patches))
-    return cb.ChannelFlow(cb.StokesProblem(boundary, 1.0, speeds, cb.Quadrature(1e-4), shear))
-
-
-def shapira_haber(capillary: float, ratio: float, confinement: float) -> float:
-    """D = D_Taylor [1 + C_s (1 + 2.5λ) / (1 + λ) (R / d)³], d = 2 W, midway, for small Ca."""
-    taylor = capillary * (19 * ratio + 16) / (16 * ratio + 16)
-    return taylor * (1 + 5.69961743634 * (1 + 2.5 * ratio) / (1 + ratio) * (confinement / 2) ** 3)
+Keep = Callable[[cb.Simulation, float, float], Iterator[cb.State]]
 
 
 def simulate(
-    droplet: cb.Droplet, confinement: float, tolerance: float, end: float, plate: dict
+    keep: Keep, droplet: cb.Droplet, confinement: float, tolerance: float, end: float, plate: dict
 ) -> cb.History:
     flow = between_plates(1 / confinement, **plate)
     simulation = cb.Simulation(flow, droplet, stepper=cb.Adaptive(tolerance))
-    return cb.record(simulation.run(end, every=EVERY))
+    return cb.record(keep(simulation, end, EVERY))
 
 
 def main(
@@ -74,8 +55,9 @@ def main(
     end: float = 14.0,
     settle: float = 8.0,
     parts: str = "time",
+    resume: bool = False,
 ) -> Runs:
-    folder = cb.fresh_folder(output) if output else None
+    folder = cb.run_folder(output, resume=resume)
     made: Runs = {}
 
     def droplet(count: int = points) -> cb.Droplet:
@@ -84,7 +66,8 @@ def main(
 
     # Fig. 4.8: overshoot and slow retraction
     if "time" in parts:
-        run = simulate(droplet(), confinement, tolerance, end, PLATE)
+        run = simulate(folder.run, droplet(), confinement, tolerance, end, PLATE)
+        folder.summary({"largest D": run.deformation.max(), "last D": run.deformation[-1]})
         made["time", confinement] = run
         report_time(run)
         if folder:
@@ -95,7 +78,8 @@ def main(
     if "confinement" in parts:
         now, runs = droplet(), {}
         for share in sorted(map(float, confinements.split())):
-            runs[share] = simulate(now, share, tolerance, settle, PLATE)
+            keep = partial(folder.run, part=f"confinement_{share:g}")
+            runs[share] = simulate(keep, now, share, tolerance, settle, PLATE)
             now = runs[share].last.droplet
         report_confinement(runs)
         made |= {("confinement", share): run for share, run in runs.items()}
@@ -118,7 +102,7 @@ def resolution_runs(
     """Each differs from the first in one thing."""
 
     def run(drop: cb.Droplet, step: float = tolerance, **plate) -> cb.History:
-        return simulate(drop, confinement, step, end, PLATE | plate)
+        return simulate(cb.Simulation.run, drop, confinement, step, end, PLATE | plate)
 
     plates = {"side": (6.0, 24.0), "spans": (4, 6, 12), "rings": (3,)}
     changes = [(name, value) for name, values in plates.items() for value in values]
@@ -181,7 +165,7 @@ def report_time(run: cb.History) -> None:
         print(f"stopped: {state.stopped}")
 
 
-def draw_time(folder: Path, run: cb.History) -> None:
+def draw_time(folder: cb.RunFolder, run: cb.History) -> None:
     """D over τ, and the same from the overshoot on."""
     times, true = true_series(run)
     plots = []
@@ -200,7 +184,7 @@ def draw_time(folder: Path, run: cb.History) -> None:
     draw_plots(folder / "deformation.png", plots)
 
 
-def draw_motion(folder: Path, run: cb.History) -> None:
+def draw_motion(folder: cb.RunFolder, run: cb.History) -> None:
     """A movie and a film strip, with strips of the plates."""
     half_width = run.last.simulation.flow.problem.boundary.bounds()[1, 2]
     long, wide = 2.5, 0.9 * half_width
@@ -231,7 +215,7 @@ def report_confinement(runs: dict[float, cb.History]) -> None:
         print(f"without plates: true {FREE:.5f}, Taylor {shapira_haber(capillary, ratio, 0):.5f}")
 
 
-def draw_confinement(folder: Path, runs: dict[float, cb.History]) -> None:
+def draw_confinement(folder: cb.RunFolder, runs: dict[float, cb.History]) -> None:
     shares = np.array(list(runs))
     capillary, ratio, _ = case_of(runs[shares[0]])
     range_ = np.linspace(0, shares.max(), 60)

@@ -8,32 +8,19 @@ changed at a time for the narrowest width; 'drift', droplets that start off the 
 adds all widths with the thesis's methods and numbers of points.
 """
 
+
 from pathlib import Path
 
 import numpy as np
-from scipy.integrate import quad
 
 import cadbem as cb
-from cadbem.boundary import Boundary, Patch
 from cadbem.post.plots import Curve, Plot, draw_plots
-from cadbem.spline.outlines import rectangle
 from cadbem.suspension.closeness import narrowest
+from cadbem.verification.plates import between_plane_plates as between_plates
+from cadbem.verification.theory import far_plates
 
 FRAMES = 60
 Runs = dict[tuple, cb.History]
-
-
-def between_plates(half_width: float, length: float = 10.0, parts: int = 8) -> cb.ChannelFlow:
-    """Shear flow between plates, in a channel whose length is in half widths; elements are one of
-    so many parts of a half width."""
-    high = np.array([length * half_width / 2, half_width])
-    names = ("left", "right", "wall_low", "wall_high")
-    sides = zip(rectangle(-high, high), names, strict=True)
-    boundary = Boundary(tuple(Patch(side, name) for side, name in sides))
-    boundary = boundary.elevated(2).refined(size=half_width / parts)
-    shear = cb.Velocity(lambda x: np.stack([x[1], 0 * x[0]]))
-    conditions = {name: shear for name in names}
-    return cb.ChannelFlow(cb.StokesProblem(boundary, 1.0, conditions, cb.Quadrature(1e-6)))
 
 
 def flux_across(state: cb.State, x: float) -> float:
@@ -43,24 +30,6 @@ def flux_across(state: cb.State, x: float) -> float:
     nodes, weights = np.polynomial.legendre.leggauss(120)
     points = np.stack([np.full(120, x), half_width * nodes])
     return float(state.velocity_at(points)[0] @ weights) * 2 / half_width
-
-
-def far_plates(ratio: float) -> float:
-    """K in D = D_free (1 + K (R / W)²), for W much larger than R and small Ca.
-
-    In a rate of strain E a round droplet makes u = -(S / πμ) x y (x, y) / r⁴, with the stresslet
-    S = 2π μ E R² (1 + 2λ) / (1 + λ).  On the plates y = ±1 the stream function
-    ∫ cos kx (A cosh ky + B ky sinh ky) dk cancels it (S / πμ = 1) with A = k / N and
-    B = (e⁻ᵏ cosh k - k) / kN, N = 2 (sinh k cosh k + k), which adds ∫ k² (A + B) dk to the rate of
-    strain at the droplet.  To first order D is proportional to it.
-    """
-
-    def added(k: float) -> float:
-        decay = np.exp(-2 * k)
-        numerator = k**3 - k**2 + k * (1 + decay) / 2
-        return decay * numerator / ((1 - decay**2) / 2 + 2 * k * decay)
-
-    return 2 * (1 + 2 * ratio) / (1 + ratio) * quad(added, 0, 40)[0]
 
 
 def simulate(
@@ -89,7 +58,7 @@ def main(
     end: float = 8.0,
     parts: str = "widths resolution drift",
 ) -> Runs:
-    folder = cb.fresh_folder(output) if output else None
+    folder = cb.run_folder(output)
     case = (capillary, viscosity_ratio)
     wanted = sorted(map(float, widths.split()))
     made: Runs = {}
@@ -123,6 +92,8 @@ def main(
         made |= {("drift", y): run for y, run in runs.items()}
         if folder:
             draw_drift(folder, runs)
+    last = {" ".join(map(str, key)): run.deformation[-1] for key, run in made.items()}
+    folder.summary({f"D, {name}": value for name, value in last.items()})
     if folder:
         print(f"\nthe pictures are in {folder}")
     return made
@@ -148,7 +119,7 @@ def report_widths(runs: dict[float, cb.History], ratio: float) -> None:
     print(f"plates far away: (D / D free - 1) W² = {theory:.4f} for small Ca")
 
 
-def draw_widths(folder: Path, runs: dict[float, cb.History], ratio: float) -> None:
+def draw_widths(folder: cb.RunFolder, runs: dict[float, cb.History], ratio: float) -> None:
     """D over τ, its final values over W, shapes, and the narrowest width in motion."""
     curves = []
     for k, (width, run) in enumerate(runs.items()):
@@ -175,7 +146,7 @@ def draw_widths(folder: Path, runs: dict[float, cb.History], ratio: float) -> No
     draw_motion(folder, runs[bounded[0]])
 
 
-def draw_motion(folder: Path, run: cb.History) -> None:
+def draw_motion(folder: Path | cb.RunFolder, run: cb.History) -> None:
     """A movie, and a film strip."""
     channel = run.last.simulation.flow.problem.boundary
     frames = [cb.Frame(state.time, state.shapes) for state in run.states]
@@ -245,7 +216,7 @@ def report_drift(runs: dict[float, cb.History]) -> None:
     print(cb.text_table(head, rows))
 
 
-def draw_drift(folder: Path, runs: dict[float, cb.History]) -> None:
+def draw_drift(folder: cb.RunFolder, runs: dict[float, cb.History]) -> None:
     (first, *_) = runs.values()
     channel = first.last.simulation.flow.problem.boundary
     tracks = {f"from y = {start:g}": run.track()[1] for start, run in runs.items()}

@@ -12,11 +12,16 @@ THESIS_GROWTH = 48.3  # percent
 
 
 def simulate(
-    capillary: float, ratio: float, points: int, tolerance: float, end: float
+    folder: cb.RunFolder,
+    capillary: float,
+    ratio: float,
+    points: int,
+    tolerance: float,
+    end: float,
 ) -> cb.History:
     droplet = cb.Droplet(cb.spline_sphere(points=points), cb.capillary_tension(capillary), ratio)
     simulation = cb.Simulation(cb.FreeFlow(cb.shear()), droplet, stepper=cb.Adaptive(tolerance))
-    return cb.record(simulation.run(end, every=end / 48))
+    return cb.record(folder.run(simulation, end, end / 48, part=f"points_{points}"))
 
 
 def main(
@@ -27,9 +32,11 @@ def main(
     coarse: int = 200,
     tolerance: float = 1e-3,
     end: float = 12.0,
+    resume: bool = False,
 ) -> cb.History:
+    folder = cb.run_folder(output, resume=resume)
     runs = {
-        count: simulate(capillary, viscosity_ratio, count, tolerance, end)
+        count: simulate(folder, capillary, viscosity_ratio, count, tolerance, end)
         for count in sorted({coarse, points})
     }
     for run in runs.values():
@@ -39,8 +46,9 @@ def main(
         print(f"\nthesis, τ = 12: the surface has grown by {THESIS_GROWTH} %")
 
     history = runs[points]
-    if output:
-        folder = cb.fresh_folder(output)
+    growth = 100 * (history.area[-1] / history.area[0] - 1)
+    folder.summary({"D": history.deformation[-1], "growth of the surface (%)": growth})
+    if folder:
         draw_plots(folder / "growth.png", plots(runs, as_in_thesis))
         for state in history.states[::16]:
             cb.draw_droplets(folder / f"shape_{state.time:04.1f}.png", [state.droplet.shape])

@@ -16,6 +16,7 @@ import numpy as np
 import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots
 from cadbem.suspension.volume import centre
+from cadbem.verification.theory import extension
 
 TRUE = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
     "drop_3d_extension_lambda10"
@@ -29,14 +30,6 @@ VARIANTS = {
 }
 Branches = dict[str, list[tuple[float, cb.State]]]
 FAR = 1e-3  # distance from the stagnation point at which a droplet is put back
-
-
-def theory(capillary: np.ndarray | float, ratio: float, order: int) -> np.ndarray | float:
-    """Steady D for small deformation."""
-    share = 19 * ratio + 16
-    first = 3 * share / (32 * (ratio + 1)) * capillary
-    second = share * (23161 * ratio**2 + 35193 * ratio + 10736) / (107520 * (ratio + 1) ** 3)
-    return first + (second * capillary**2 if order == 2 else 0.0)
 
 
 def centred(shape: cb.ClosedSpline) -> cb.ClosedSpline:
@@ -94,6 +87,7 @@ def main(
     tolerance: float = 1e-4,
     end: float = 40.0,
 ) -> Branches:
+    folder = cb.run_folder(output)
     capillaries = np.arange(0.01, highest + 1e-9, step)
     branches = {
         name: branch(capillaries, viscosity_ratio, points, tolerance, end, **options)
@@ -101,8 +95,8 @@ def main(
     }
 
     report(capillaries, branches, viscosity_ratio, points)
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({"D": branches["ours, polar rule"][-1][0], "Ca": capillaries[-1]})
+    if folder:
         draw_plots(folder / "droplet_extension.png", [plot(capillaries, branches, viscosity_ratio)])
         last = branches["ours, polar rule"][-1][1]
         cb.draw_droplets(folder / "shape.png", [last.droplet.shape])
@@ -118,7 +112,7 @@ def report(capillaries: np.ndarray, branches: Branches, ratio: float, points: in
         known = np.isclose(capillary, TRUE["Ca"]) and ratio == 10
         rows.append(
             (f"{capillary:.2f}", *["-" if np.isnan(v) else f"{v:.5f}" for v in values],
-             *[f"{theory(capillary, ratio, order):.5f}" for order in (1, 2)],
+             *[f"{extension(capillary, ratio, order):.5f}" for order in (1, 2)],
              f"{TRUE['D']:.5f}" if known else "-")
         )  # fmt: skip
     print(f"λ = {ratio:g}, {points} points")
@@ -131,8 +125,8 @@ def report(capillaries: np.ndarray, branches: Branches, ratio: float, points: in
 def plot(capillaries: np.ndarray, branches: Branches, ratio: float) -> Plot:
     fine = np.linspace(0, capillaries[-1], 50)
     curves = [
-        Curve(fine, theory(fine, ratio, 1), "first order", dashed=True),
-        Curve(fine, theory(fine, ratio, 2), "second order"),
+        Curve(fine, extension(fine, ratio, 1), "first order", dashed=True),
+        Curve(fine, extension(fine, ratio, 2), "second order"),
     ]
     for k, (name, found) in enumerate(branches.items()):
         values = [d for d, _ in found]

@@ -33,6 +33,7 @@ def main(
     capillary: float = 1.0,
     end: float = 10.0,
 ) -> dict[str, cb.History]:
+    folder = cb.run_folder(output)
     # The thesis's three runs, ours, and the truth: ours with many points of degree 6
     thesis = {"degree": 2, "capillary": capillary, **cb.thesis_methods()}
     relaxation = cb.RelaxMesh(0.2, 0.2, steps=10, pseudo_step=0.01)
@@ -51,8 +52,8 @@ def main(
 
     print(f"Ca = {capillary} in the thesis's reading, {capillary / 2} true; λ = 1")
     report(runs, true)
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({"D": runs[f"ours, N = {points}"].deformation[-1]})
+    if folder:
         draw_plots(folder / "deformation.png", plots(runs, true))
         shapes = {name: [run.last.droplet.shape] for name, run in runs.items() if run is not true}
         cb.draw_outlines(folder / "shapes.png", shapes)

@@ -7,12 +7,15 @@ that many points of degree 6 give.  True values for λ = 1 come from a spectral 
 """
 
 import json
+from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.verification.theory import cox
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
     "drop_3d_shear_Ca0.2_lambda1"
@@ -27,21 +30,17 @@ PRINTED = {
 }
 
 Runs = dict[tuple, cb.History]
-
-
-def cox(capillary: float, ratio: float) -> float:
-    """Steady D for small deformation (Eq. 4.7); at Ca = 0.2, λ = 1 it is 3.7 % too low."""
-    return 1.25 * (19 * ratio + 16) / ((ratio + 1) * np.hypot(20 / capillary, 19 * ratio))
+Keep = Callable[[cb.Simulation, float, float], Iterator[cb.State]]
 
 
 def simulate(
-    capillary: float, ratio: float, points: int, degree: int, end: float, **options
+    keep: Keep, capillary: float, ratio: float, points: int, degree: int, end: float, **options
 ) -> cb.History:
     droplet = cb.Droplet(
         cb.spline_sphere(points=points, degree=degree), cb.capillary_tension(capillary), ratio
     )
     simulation = cb.Simulation(cb.FreeFlow(cb.shear()), droplet, **options)
-    return cb.record(simulation.run(end, every=0.1))
+    return cb.record(keep(simulation, end, 0.1))
 
 
 def main(
@@ -54,8 +53,9 @@ def main(
     end: float = 5.0,
     parts: str = "shape volume table",
     reference: int = 0,
+    resume: bool = False,
 ) -> Runs:
-    folder = cb.fresh_folder(output) if output else None
+    folder = cb.run_folder(output, resume=resume)
     case = (capillary, viscosity_ratio)
     ours = {"degree": degree, "stepper": cb.Adaptive(tolerance), "end": end}
     thesis = {"degree": 2, "end": end, **cb.thesis_methods()}
@@ -63,7 +63,10 @@ def main(
 
     # Fig. 4.3: one droplet, ours and the thesis's way without and with mesh relaxation
     if "shape" in parts:
-        runs = shape_runs(case, points, ours, thesis)
+        runs = shape_runs(folder, case, points, ours, thesis)
+        state = runs["ours",].last
+        found = state.measures[0]
+        folder.summary({"D": found.deformation, "inclination (degrees)": found.inclination})
         report_shape(case, runs)
         if folder:
             draw_shapes(folder, case, runs)
@@ -79,7 +82,7 @@ def main(
 
     # Table 4.1
     if "table" in parts:
-        runs = {case: simulate(*case, points, **ours) for case in PRINTED}
+        runs = {case: simulate(cb.Simulation.run, *case, points, **ours) for case in PRINTED}
         report_table(runs, fine_runs(reference, end) if reference else {})
         made |= {("table", *key): run for key, run in runs.items()}
     if folder:
@@ -87,10 +90,13 @@ def main(
     return made
 
 
-def shape_runs(case: tuple[float, float], points: int, ours: dict, thesis: dict) -> Runs:
+def shape_runs(
+    folder: cb.RunFolder, case: tuple[float, float], points: int, ours: dict, thesis: dict
+) -> Runs:
     relaxed = thesis | {"mesh": cb.RelaxMesh()}
     runs = {"ours": ours, "thesis's way": thesis, "thesis's way, relaxed": relaxed}
-    return {(name,): simulate(*case, points, **options) for name, options in runs.items()}
+    kept = {name: partial(folder.run, part=name.replace(" ", "_")) for name in runs}
+    return {(n,): simulate(kept[n], *case, points, **options) for n, options in runs.items()}
 
 
 def report_shape(case: tuple[float, float], runs: Runs) -> None:
@@ -133,7 +139,7 @@ def shape_plot(case: tuple[float, float], runs: Runs, after: float) -> Plot:
     return Plot("τ", "D", curves)
 
 
-def draw_shapes(folder: Path, case: tuple[float, float], runs: Runs) -> None:
+def draw_shapes(folder: cb.RunFolder, case: tuple[float, float], runs: Runs) -> None:
     end = runs["ours",].last.time
     draw_plots(folder / "deformation.png", [shape_plot(case, runs, t) for t in (0, 0.6 * end)])
     for (name,), run in runs.items():
@@ -148,7 +154,9 @@ def volume_runs(points: int, ours: dict, thesis: dict) -> Runs:
         count = points if ratio == 1 else min(points, 128)
         choice = {} if corrected else {"volume": None}
         for name, options in (("ours", ours), ("thesis's way", thesis)):
-            runs[ratio, name, corrected] = simulate(0.2, ratio, count, **options | choice)
+            runs[ratio, name, corrected] = simulate(
+                cb.Simulation.run, 0.2, ratio, count, **options | choice
+            )
     return runs
 
 
@@ -214,7 +222,7 @@ def volume_plot(runs: Runs) -> Plot:
 
 def fine_runs(points: int, end: float) -> Runs:
     options = {"degree": 6, "stepper": cb.Adaptive(1e-5), "end": end}
-    return {case: simulate(*case, points, **options) for case in PRINTED}
+    return {case: simulate(cb.Simulation.run, *case, points, **options) for case in PRINTED}
 
 
 def report_table(runs: Runs, fine: Runs) -> None:

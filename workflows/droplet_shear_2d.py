@@ -50,6 +50,7 @@ def series_error(history: cb.History) -> float:
 
 
 def main(output: str = "results/droplet_shear_2d", points: int = 24, end: float = 8.0) -> Runs:
+    folder = cb.run_folder(output)
     # Each variant in the thesis's reading of Ca, ours in the physical one too
     runs = {}
     for reading, ratio, variant in CASES:
@@ -75,8 +76,12 @@ def main(output: str = "results/droplet_shear_2d", points: int = 24, end: float 
         error = series_error(runs["thesis's", 1.0, variant])
         print(f"λ = 1, {variant}: largest error of D(τ) {error:.1e}")
 
-    if output:
-        picture = cb.fresh_folder(output) / "droplet_shear_2d.png"
+    folder.summary({
+        "D": runs["thesis's", 1.0, "ours"].deformation[-1],
+        "largest error of D": series_error(runs["thesis's", 1.0, "ours"]),
+    })
+    if folder:
+        picture = folder / "droplet_shear_2d.png"
         plots = [area_plot(runs), deformation_plot(runs), deformation_plot(runs, 0.2 * end)]
         draw_plots(picture, plots)
         print(f"the plot is in {picture}")

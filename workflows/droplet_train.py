@@ -42,7 +42,9 @@ def main(
     tolerance: float = 1e-2,
     end: float = 10.0,
     every: float = 0.05,
+    resume: bool = False,
 ) -> cb.History:
+    folder = cb.run_folder(output, GEOMETRY, resume=resume)
     channel = finer_in_throat(element_size, throat_size)
     flow = branches(channel, viscosity, flow_rate, side_flow_rate)
     speed = (flow_rate + 2 * side_flow_rate) / THROAT_AREA
@@ -58,11 +60,12 @@ def main(
         for k in range(droplets)
     ]
     simulation = cb.Simulation(flow, train, stepper=cb.Adaptive(tolerance))
-    run = cb.record(simulation.run(end, every))
+    run = cb.record(folder.run(simulation, end, every))
 
     report(run)
-    if output:
-        folder = cb.fresh_folder(output)
+    found = [run.of(cb.taylor_deformation, n).max() for n in run.states[0].numbers]
+    folder.summary({"largest D": max(found), "end (s)": run.last.time})
+    if folder:
         draw(folder, channel, run)
         print(f"the pictures are in {folder}")
     return run
@@ -127,7 +130,7 @@ def report(run: cb.History) -> None:
         print(f"ended: {last.stopped}")
 
 
-def draw(folder: Path, channel: cb.Boundary, run: cb.History) -> None:
+def draw(folder: cb.RunFolder, channel: cb.Boundary, run: cb.History) -> None:
     """D(t), D(x), the paths, a film strip and a movie."""
     tracks = {n: run.track(n) for n in run.states[0].numbers}
     over_time, over_way = [], []

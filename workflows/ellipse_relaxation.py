@@ -32,6 +32,7 @@ def main(
     viscosity_ratio: float = 1.0,
     end: float = 4.0,
 ) -> cb.History:
+    folder = cb.run_folder(output)
     tension = cb.thesis_tension_2d(capillary)
     rate = tension.tension / ((1 + viscosity_ratio) * RADIUS)
     axes = (RADIUS * np.sqrt(ASPECT), RADIUS / np.sqrt(ASPECT))
@@ -51,8 +52,9 @@ def main(
     print(f"N = {points}, exact final radius {RADIUS:.7f}")
     report(runs, rate)
 
-    if output:
-        picture = cb.fresh_folder(output) / "ellipse_relaxation.png"
+    folder.summary({"D": history.deformation[-1], "longer semi-axis": semi_axes(history)[0, -1]})
+    if folder:
+        picture = folder / "ellipse_relaxation.png"
         draw_plots(picture, [axes_plot(runs), decay_plot(history, rate)])
         print(f"the plot is in {picture}")
     return history

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 import cadbem as cb
 from cadbem.post.plots import Curve, Plot, draw_plots, fitted_order
-from cadbem.spline.shapes import sphere
+from cadbem.verification.heat import hollow_sphere
 
 HEAT = brentq(lambda c: c / 4 - (1 - c / 2) - ((2 - c / 2) ** 4 - 1), 0.0, 4.0, xtol=1e-15)
 RADII = np.linspace(1.05, 1.95, 25)
@@ -34,18 +34,11 @@ def uneven_flux(points: np.ndarray) -> np.ndarray:
     return -(points / 2 * (points - INSIDE_HOLE)).sum(axis=0) * uneven(points) ** 3
 
 
-def hollow_sphere(spans: int) -> cb.Boundary:
-    """Twelve patches without poles, normals into the body."""
-    inner = [cb.Patch(s, "inner") for s in sphere(1.0)]
-    outer = [cb.Patch(s, "outer") for s in sphere(2.0, inwards=True)]
-    return cb.Boundary((*inner, *outer)).refined(spans)
-
-
 def solve(
     spans: int, tolerance: float, inner: cb.Temperature, outer: cb.HeatFlux | cb.SurfaceExchange
 ) -> cb.HeatSolution:
     problem = cb.HeatProblem(
-        hollow_sphere(spans),
+        hollow_sphere().refined(spans),
         conductivity=1.0,
         conditions={"inner": inner, "outer": outer},
         quadrature=cb.Quadrature(tolerance),
@@ -60,6 +53,7 @@ def ray_error(solution: cb.HeatSolution, direction: np.ndarray) -> float:
 
 
 def main(output: str = "results/hollow_sphere_heat", finest: int = 4) -> cb.HeatSolution:
+    folder = cb.run_folder(output)
     exchange = cb.SurfaceExchange(convection=1.0, radiation=1.0, ambient=1.0)
     counts, errors = [], []
     print("convection and radiation")
@@ -83,8 +77,8 @@ def main(output: str = "results/hollow_sphere_heat", finest: int = 4) -> cb.Heat
         order = f"{fitted_order(counts, errors):5.2f}" if len(counts) > 1 else ""
         print(f"{counts[-1]:6d}  {errors[-1]:11.1e}  {heat:9.1e}  {order}")
 
-    if output:
-        folder = cb.fresh_folder(output)
+    folder.summary({"points": counts[-1], "largest error on a ray": errors[-1]})
+    if folder:
         fine = np.linspace(1, 2, 101)
         computed = solution.temperature_at(np.outer(POLAR, RADII))
         profile = [

@@ -13,6 +13,7 @@ from math import pi
 import numpy as np
 
 import cadbem as cb
+from cadbem.verification.walls import near_wall
 
 MOTION = cb.RigidMotion(velocity=(1.0, 0.0, 0.0), angular_velocity=(0.0, 1.0, 0.0))
 SPHERES = ((cb.sphere, 4), (cb.sphere_octants, 2), (cb.sphere_with_poles, 2))
@@ -31,6 +32,7 @@ PARABOLOID = cb.Background(
 
 
 def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolution:
+    folder = cb.run_folder(output)
     # The traction of a moving sphere is constant, that of a turning one linear in position: both
     # lie in the span of the sphere's own functions, and the error is that of the integrals
     heading("moving and turning sphere", "shape", "degree", "points", "drag", "torque")
@@ -79,8 +81,10 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
         row(height, near.space.count, *(float(e) for e in reached / exact - 1))
 
     solution = solve(cb.sphere(), 4, 1, cb.RigidMotion((1.0, 0.0, 0.0)))
-    if output:
-        picture = cb.draw_around(solution, cb.fresh_folder(output) / "speed.png")
+    drag = solution.force("body")[0] / (-6 * pi)
+    folder.summary({"points": solution.space.count, "drag / 6πμaU": drag})
+    if folder:
+        picture = cb.draw_around(solution, folder / "speed.png")
         print(f"\nthe speed around the sphere is in {picture}")
     return solution
 
@@ -88,35 +92,6 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
 def bodies(shape: tuple[cb.Nurbs, ...], degree: int, spans: int) -> cb.Boundary:
     patches = tuple(cb.Patch(surface, "body") for surface in shape)
     return cb.Boundary(patches).elevated(degree).refined(spans)
-
-
-def near_wall(
-    height: float, elements: int, *, rings: int = 15, across: int = 6, side: float = 100.0
-) -> cb.Boundary:
-    """A unit sphere at a height over a plate, with elements for the pressure in the gap.
-
-    The gap is height - 1 + r² / 2, so elements grow like √(w² + r²) with w² = 2 (height - 1):
-    there are ``elements`` a side on the face that looks down, knots at w sinh t.  The plate has its
-    elements right below: where they are wider than the gap, only pairs that face each other tell
-    the traction of one surface from that of the other.
-    """
-    width, half = np.sqrt(2 * (height - 1)), pi / 4  # half the angle that the face takes
-    places = np.linspace(-1, 1, elements + 1) * np.arcsinh(half / width)
-    knots = 0.5 + 0.5 * width / half * np.sinh(places)
-    ball = [cb.Patch(surface, "body") for surface in cb.sphere(centre=(0, 0, height))]
-    lowest = min(range(6), key=lambda k: ball[k].middle().normal[2, 0])
-    line = ball[lowest].surface.evaluate(knots, 0.5)
-    below = np.sort(line[np.argmax(np.ptp(line, axis=1))])
-    inner = [knots[1:-1] if k == lowest else [0.5] for k in range(6)]
-    patches = [
-        replace(patch, surface=patch.surface.inserted([new, new]))
-        for patch, new in zip(ball, inner, strict=True)
-    ]
-    middle = 2 * below[-1]
-    under, edge = below[1:-1] / middle + 0.5, np.linspace(0, 1, across + 1)[1:-1]
-    square, *around = cb.plate(middle, side, degree=4, spans=1, rings=rings)
-    wall = [square.inserted([under, under]), *(s.inserted([[], edge]) for s in around)]
-    return cb.Boundary((*patches, *(cb.Patch(surface, "wall") for surface in wall)))
 
 
 def solve(

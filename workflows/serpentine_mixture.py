@@ -43,7 +43,9 @@ def main(
     tolerance: float = 1e-2,
     end: float = 2.2,
     every: float = 0.1,
+    resume: bool = False,
 ) -> cb.History:
+    folder = cb.run_folder(output, GEOMETRY, resume=resume)
     flow = empty_channel(element_size, viscosity, mean_velocity)
     print(f"Ca = {viscosity * mean_velocity / tension:g}")
 
@@ -60,11 +62,13 @@ def main(
     in_order = [bodies[number] for number in sorted(bodies)]
 
     simulation = cb.Simulation(flow, in_order, stepper=cb.Adaptive(tolerance))
-    run = cb.record(simulation.run(end, every))
+    run = cb.record(folder.run(simulation, end, every))
 
     report(run)
-    if output:
-        folder = cb.fresh_folder(output)
+    found = [run.of(cb.taylor_deformation, n).max() for n in DROPLETS]
+    turn = angle_of_axis(run)
+    folder.summary({"largest D": max(found), "turn of the ellipsoid (degrees)": turn[-1] - turn[0]})
+    if folder:
         draw(folder, flow.problem.boundary, run)
         print(f"the pictures are in {folder}")
     return run
@@ -136,7 +140,7 @@ def kind(number: int) -> str:
     return {ELLIPSOID: "ellipsoid", SPHERE: "sphere"}.get(number, "droplet")
 
 
-def draw(folder: Path, channel: cb.Boundary, run: cb.History) -> None:
+def draw(folder: cb.RunFolder, channel: cb.Boundary, run: cb.History) -> None:
     """The paths, D and the ellipsoid's turn over time, a film strip and a movie."""
     tracks = {n: run.track(n) for n in run.states[0].numbers}
     shapes = [

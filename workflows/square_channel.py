@@ -26,6 +26,8 @@ def main(
     tolerance: float = 1e-8,
     mesh_size: float = 0.06,
 ) -> cb.StokesSolution:
+    folder = cb.run_folder(output, GEOMETRY)
+
     # Geometry: elements of 1 / spans across, and somewhat finer than twice as many along;
     # with levels, those at the channel's four long edges are cut at ratio, ratio², ...
     along = along or ceil(spans * 17 / 7)
@@ -55,9 +57,15 @@ def main(
     print(f"pressure gradient  {gradient:10.5f}  ({gradient / EXACT_GRADIENT - 1:+.1e})")
     print(f"outlet velocity    {outlet_error(solution):10.2e}  (largest error over mean velocity)")
 
+    folder.summary({
+        "points": solution.space.count,
+        "pressure gradient": gradient,
+        "error of the gradient": gradient / EXACT_GRADIENT - 1,
+        "error of the outlet velocity": outlet_error(solution),
+    })
+
     # Pictures, and files for ParaView
-    if output:
-        folder = cb.fresh_folder(output)
+    if folder:
         cb.draw_boundary(channel, folder / "faces.png")
         cb.draw_collocation(solution.space, folder / "collocation.png")
         cb.draw_traction(solution, folder / "traction.png")

@@ -8,6 +8,7 @@ with the same start in unbounded fluid.  'convergence' adds how the end of 'pass
 and steps.
 """
 
+
 from pathlib import Path
 
 import numpy as np
@@ -70,16 +71,20 @@ def main(
     end: float = 10.0,
     parts: str = "pass swap",
 ) -> Runs:
-    folder = cb.fresh_folder(output) if output else None
+    folder = cb.run_folder(output)
     plates, free = between_plates(half_width, parts=6), cb.FreeFlow(cb.shear(dimension=2))
     case = (capillary, viscosity_ratio)
     print(f"Ca = {capillary} in the thesis's reading, {capillary / 2} true; λ = {viscosity_ratio}")
     made: Runs = {}
+    found: dict[str, float] = {}
     for name in (n for n in STARTS if n in parts):
         for place, flow in (("plates", plates), ("unbounded", free)):
             made[name, place] = simulate(flow, STARTS[name], *case, points, tolerance, end)
     if made:
         report(made)
+        for (name, place), run in made.items():
+            found[f"smallest gap, {name}, {place}"] = gaps(run)[0].min()
+    folder.summary(found)
     if folder:
         for name in {key[0] for key in made}:
             draw(folder / name, made[name, "plates"], made[name, "unbounded"])

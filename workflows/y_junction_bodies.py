@@ -12,7 +12,9 @@ walls' elements are graded towards that corner (--levels).  The droplet gives wa
 rule.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
@@ -25,6 +27,7 @@ AXIS = 5 * np.sqrt(2)  # y of the outlet's centreline
 CORNER = np.array([7 * np.sqrt(2) - 2, AXIS - 2])  # where the outer wall bends
 START = (2.8284, 2.0, 2.0)
 REACH = 0.1  # of the pressure that keeps the particle off the walls
+Keep = Callable[[cb.Simulation, float, float], Iterator[cb.State]]
 STATIONS = (4.0, 6.0, 9.0, 12.0)  # x at which paths are compared
 
 
@@ -55,6 +58,7 @@ def junction(resolution: Resolution) -> cb.ChannelFlow:
 
 
 def simulate(
+    keep: Keep,
     kind: str,
     resolution: Resolution,
     capillary: float,
@@ -74,7 +78,7 @@ def simulate(
     simulation = cb.Simulation(
         junction(resolution), body, stepper=cb.Adaptive(tolerance), contact=contact
     )
-    return cb.record(simulation.run(end, every=min(0.05, end)))
+    return cb.record(keep(simulation, end, min(0.05, end)))
 
 
 def main(
@@ -88,20 +92,24 @@ def main(
     tolerance: float = 1e-3,
     end: float = 2.0,
     parts: str = "droplet particle",
+    resume: bool = False,
 ) -> dict[tuple, cb.History]:
-    folder = cb.fresh_folder(output) if output else None
+    folder = cb.run_folder(output, GEOMETRY, resume=resume)
     resolution = Resolution(spans, levels, points, particle_spans)
     kinds = [kind for kind in ("droplet", "particle") if kind in parts]
     case = capillary, strength, tolerance, end
-    runs = {(k, resolution): simulate(k, resolution, *case) for k in kinds}
+    keep = {kind: partial(folder.run, part=kind) for kind in kinds}
+    runs = {(k, resolution): simulate(keep[k], k, resolution, *case) for k in kinds}
     if "table" in parts:
         finer = [
             Resolution(spans - 2, levels, 128, particle_spans - 1),
             Resolution(spans, 0, points, particle_spans),
             Resolution(spans + 2, levels + 1, 288, particle_spans + 1),
         ]
-        runs |= {(k, r): simulate(k, r, *case) for r in finer for k in kinds}
+        runs |= {(k, r): simulate(cb.Simulation.run, k, r, *case) for r in finer for k in kinds}
     report(runs)
+    last = {kind: runs[kind, resolution].track()[1] for kind in kinds}
+    folder.summary({f"{kind}, last distance": off_centre(last[kind])[-1] for kind in kinds})
     if folder and kinds:
         draw(folder, {k: runs[k, resolution] for k in kinds})
         print(f"pictures and ParaView files are in {folder}")
@@ -139,7 +147,7 @@ def report(runs: dict[tuple, cb.History]) -> None:
             print(f"{kind}: {run.last.stopped}")
 
 
-def draw(folder: Path, runs: dict[str, cb.History]) -> None:
+def draw(folder: cb.RunFolder, runs: dict[str, cb.History]) -> None:
     channel = cb.read_cad(GEOMETRY)
     tracks = {kind: run.track()[1] for kind, run in runs.items()}
     cb.draw_trajectories(folder / "paths.png", channel, tracks)
@@ -150,8 +158,7 @@ def draw(folder: Path, runs: dict[str, cb.History]) -> None:
         folder / "distance.png",
         [Plot("x of the centre", "distance from the centreline", curves)],
     )
-    for kind, run in runs.items():
-        cb.draw_run(folder, channel, run, kind)
+    cb.render(folder)
     if "droplet" in runs:
         cb.draw_droplets(folder / "final_shape.png", [runs["droplet"].last.droplet.shape])
 

@@ -17,6 +17,8 @@ def main(
     degree: int = 2,
     mesh_size: float = 0.35,
 ) -> cb.StokesSolution:
+    folder = cb.run_folder(output, GEOMETRY)
+
     # Geometry: 18 four-sided faces with the names that the CAD file gives them
     channel = cb.read_cad(GEOMETRY).elevated(degree).refined(spans)
 
@@ -39,10 +41,11 @@ def main(
         flow, pressure = solution.flow_rate(name), solution.mean_pressure(name)
         print(f"{name:8}  flow rate {flow:10.5f}  mean pressure {pressure:10.5f}")
     print(f"net flux / inflow {solution.net_flux():.2e}, net force {solution.net_force():.2e}")
+    drop = solution.mean_pressure("inlet_a") - solution.mean_pressure("outlet")
+    folder.summary({"points": solution.space.count, "pressure drop": drop})
 
     # Pictures, and files for ParaView
-    if output:
-        folder = cb.fresh_folder(output)
+    if folder:
         cb.draw_boundary(channel, folder / "faces.png")
         cb.draw_collocation(solution.space, folder / "collocation.png")
         cb.draw_traction(solution, folder / "traction.png")

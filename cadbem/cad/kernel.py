@@ -11,10 +11,10 @@ from tempfile import TemporaryDirectory
 from time import monotonic
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.cad.source import CadSource
 from cadbem.errors import CadError
+from cadbem.progress import progress
 from cadbem.spline.basis import Array
 
 
@@ -113,14 +113,7 @@ def _finished(command: list[str], folder: Path, time_limit: float, name: str) ->
     """Exit code and output of the child; it is killed when the time is over."""
     start = monotonic()
     with (
-        tqdm(
-            desc=f"{name}: CAD kernel",
-            unit="s",
-            total=time_limit,
-            delay=2,
-            leave=False,
-            disable=None,
-        ) as bar,
+        progress(label=f"{name}: CAD kernel", unit="s", total=time_limit) as bar,
         Popen(command, stdin=DEVNULL, stdout=PIPE, stderr=STDOUT, cwd=folder) as process,
     ):
         try:

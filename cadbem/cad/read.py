@@ -7,12 +7,12 @@ from pathlib import Path
 from warnings import warn
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.layouts import TOLERANCE
 from cadbem.cad.model import CadModel, open_model
 from cadbem.errors import CadError, CadWarning
+from cadbem.progress import progress, stage
 
 OPEN = 1e-4  # |∮ n dS| / area above which patches do not enclose a volume
 ORDER = 8  # Gauss points a direction and element
@@ -53,13 +53,14 @@ def read_cad(
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
     exactly one volume, and for faces that no way of laying patches covers.
     """
-    model = open_model(path, time_limit, names, fluid)
-    for warning in model.warnings:
-        warn(warning, CadWarning, stacklevel=2)
-    for obstacle in model.obstacles():
-        raise CadError(obstacle)
-    boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
-    return oriented(boundary)
+    with stage(f"reading {path}"):
+        model = open_model(path, time_limit, names, fluid)
+        for warning in model.warnings:
+            warn(warning, CadWarning, stacklevel=2)
+        for obstacle in model.obstacles():
+            raise CadError(obstacle)
+        boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
+        return oriented(boundary)
 
 
 def oriented(boundary: Boundary) -> Boundary:
@@ -88,7 +89,7 @@ def oriented(boundary: Boundary) -> Boundary:
 def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
     patches: list[Patch] = []
     refused: list[str] = []
-    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
+    for face in progress(model.faces, f"{model.file}: faces"):
         try:
             laid, deviation = model.patches(face, tolerance)
         except CadError as error:
@@ -96,7 +97,7 @@ def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
             continue
         patches += laid
         for line in model.relaxed(face, deviation, tolerance):
-            warn(line, CadWarning, stacklevel=3)
+            warn(line, CadWarning, stacklevel=2)
     if refused:
         others = f" ({len(refused) - 1} more faces cannot, either)" if len(refused) > 1 else ""
         raise CadError(refused[0] + others)

@@ -9,7 +9,6 @@ from math import inf, nan
 from pathlib import Path
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.brep import BrepFace
@@ -21,6 +20,7 @@ from cadbem.cad.model import CadModel
 from cadbem.cad.quality import jacobian_ratio, worst_angle
 from cadbem.cad.survey import CadSurvey, survey_cad
 from cadbem.errors import CadError
+from cadbem.progress import progress
 from cadbem.spline.basis import Array
 
 
@@ -96,7 +96,7 @@ def inspect_cad(
     survey = survey_cad(path, fluid=fluid, names=names, tolerance=tolerance, time_limit=time_limit)
     model = survey.model
     label = f"{model.file}: measures"
-    faces = tqdm(model.faces, desc=label, delay=2, leave=False, disable=None)
+    faces = progress(model.faces, label)
     reports = [_examined(survey, face) for face in faces]
     refused = {r.number: r.problem for r in reports if r.problem}
     area = volume = gap = nan
@@ -195,7 +195,7 @@ def _largest_gap(model: CadModel, patches: dict[int, list[Patch]]) -> float:
         key for face in model.faces for key in {u.key for loop in face.loops for u in loop}
     )
     gap = 0.0
-    for face in tqdm(model.faces, desc=f"{model.file}: gaps", delay=2, leave=False, disable=None):
+    for face in progress(model.faces, f"{model.file}: gaps"):
         uses = [use for loop in face.loops for use in loop if counts[use.key] > 1]
         points = [points_on(use).T for use in uses if use.curve is not None]
         if points:

@@ -5,13 +5,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from tqdm import tqdm
-
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.layouts import TOLERANCE
 from cadbem.cad.model import CadModel, open_model
 from cadbem.cad.read import oriented
 from cadbem.errors import CadError
+from cadbem.progress import progress
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +53,7 @@ def survey_cad(
     patches: dict[int, list[Patch]] = {}
     deviations: dict[int, float] = {}
     refused: dict[int, str] = {}
-    for face in tqdm(model.faces, desc=f"{model.file}: faces", delay=2, leave=False, disable=None):
+    for face in progress(model.faces, f"{model.file}: faces"):
         try:
             patches[face.number], deviations[face.number] = model.patches(face, tolerance)
         except CadError as error:

@@ -14,13 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.clusters import Tree
 from cadbem.operators.compress import LEAF
 from cadbem.operators.compressed import CompressedMatrix
 from cadbem.operators.overlapping import Overlapping, overlapping
+from cadbem.progress import progress
 
 COLUMNS = 24  # products at a time: each takes memory for all crosses
 GROUPS = 100  # clusters, at least, unless they were smaller than two leaves
@@ -54,7 +54,7 @@ def two_level(matrix: CompressedMatrix, positions: Array) -> TwoLevel:
     made = np.empty((components * size, components * count), dtype=np.float32)
     sums = np.zeros((components * count, components * count))
     starts = range(0, components * count, COLUMNS)
-    for low in tqdm(starts, desc="preconditioner", delay=2.0, leave=False, disable=None):
+    for low in progress(starts, "preconditioner"):
         high = min(low + COLUMNS, components * count)
         columns = np.zeros((components, size, high - low))
         for k in range(low, high):

@@ -86,8 +86,7 @@ class _Builder:
         rules, orders = self.quadrature, []
         for panels in self.panels.panels:
             degree = max(panels.surface.degrees)
-            lower = rules.lower_orders(degree)
-            orders.append([*lower[-LOWER:], rules.orders(degree)[0]])
+            orders.append(list(rules.far_orders(degree)[-LOWER - 1 :]))
         most = max(map(len, orders))
         return [o[:1] * (most - len(o)) + o for o in orders]
 

@@ -25,6 +25,7 @@ from cadbem.operators.pool import run_tasks
 from cadbem.operators.sinks import PotentialSink
 from cadbem.operators.solve import Border
 from cadbem.operators.storage import Compressed, Storage, storage_for
+from cadbem.progress import stage
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 
@@ -128,4 +129,5 @@ def own_layers(
         raise ValueError(f"storage is {storage!r}; give Dense() or Compressed(tolerance)")
     if isinstance(storage, Compressed):
         return CompressedLayers(kernel, space, quadrature, storage.tolerance)
-    return assemble_layers(kernel, space, collocation_targets(space), quadrature)
+    with stage(f"assembling {space.count} points"):
+        return assemble_layers(kernel, space, collocation_targets(space), quadrature)

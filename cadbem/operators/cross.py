@@ -15,6 +15,7 @@ which are never asked for.)
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -37,7 +38,7 @@ class MixedKernel:
         """Unknowns of a function."""
         return self.mixing.shape[3]
 
-    @property
+    @cached_property
     def layouts(self) -> tuple[Index, Index]:
         """Entries of both layers as arrays (rows, components)."""
         return np.array(self.kernel.single), np.array(self.kernel.double)

@@ -63,8 +63,7 @@ def interact(
     sink: Sink,
 ) -> None:
     """Add everything that ``patch`` does to ``targets`` to ``sink``."""
-    degree = max(panels.surface.degrees)
-    orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
+    orders = quadrature.far_orders(max(panels.surface.degrees))
     level = panels.levels(targets.position, reaches(panels, orders, quadrature))
     for k, order in enumerate(orders):
         target, panel = by_blocks(level == k)
@@ -85,8 +84,7 @@ def interact_pairs(
     """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
     by_panel = np.argsort(pairs[1], kind="stable")
     target, panel = pairs[0][by_panel], pairs[1][by_panel]
-    degree = max(panels.surface.degrees)
-    orders = *quadrature.lower_orders(degree), quadrature.orders(degree)[0]
+    orders = quadrature.far_orders(max(panels.surface.degrees))
     centres, radii = panels.sphere
     away = np.linalg.norm(targets.position[:, target] - centres[:, panel], axis=0) - radii[panel]
     level = (away < reaches(panels, orders, quadrature)[:, panel]).sum(axis=0)

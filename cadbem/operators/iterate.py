@@ -7,13 +7,13 @@ from functools import cached_property
 
 import numpy as np
 from scipy.sparse.linalg import LinearOperator, gcrotmk
-from tqdm import tqdm
 
 from cadbem.errors import SolverError
 from cadbem.kernels.kernel import Array
 from cadbem.operators.coarse import TwoLevel
 from cadbem.operators.compressed import CompressedMatrix
 from cadbem.operators.solve import Border, Solved
+from cadbem.progress import progress
 
 INNER, KEPT, OUTER = 150, 10, 4  # iterations between restarts, directions kept, restarts
 
@@ -48,13 +48,16 @@ class Iteration:
     @cached_property
     def _weights(self) -> Array:
         """Factors (k,) of the constraints, which give each the weight of all equations."""
-        norms = np.sqrt(((self.border.rows * self.scale) ** 2).sum(axis=(1, 2)))
+        norms = np.linalg.norm(self._scaled, axis=1)
         return np.sqrt(self.scale.size) / np.maximum(norms, 1e-300)
 
     @cached_property
+    def _scaled(self) -> Array:
+        return (self.border.rows * self.scale).reshape(-1, self.scale.size)
+
+    @cached_property
     def _rows(self) -> Array:
-        rows = self.border.rows * self.scale * self._weights[:, None, None]
-        return rows.reshape(len(rows), self.scale.size)
+        return self._scaled * self._weights[:, None]
 
     @cached_property
     def _fields(self) -> Array:
@@ -90,7 +93,7 @@ class Iteration:
     def _solve(self, right: Array, constraints: Array) -> Solved:
         whole = np.concatenate([right.ravel(), self._weights * constraints])
         iterations = 0
-        with tqdm(desc="iterations", delay=2.0, leave=False, disable=None) as bar:
+        with progress(label="iterations") as bar:
 
             def apply(values: Array) -> Array:
                 nonlocal iterations

@@ -10,13 +10,17 @@ from functools import lru_cache
 from typing import Any, TypeVar
 
 from threadpoolctl import ThreadpoolController
-from tqdm import tqdm
+
+from cadbem.progress import progress
 
 Item = TypeVar("Item")
 Result = TypeVar("Result")
 
-# how many cores the tasks of the running thread may use
-CORES = ContextVar("CORES", default=os.cpu_count() or 1)
+
+# cores that this process may use, where the system tells
+ALLOWED = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+# how many of them the tasks of the running thread may use
+CORES = ContextVar("CORES", default=ALLOWED)
 
 
 def in_shares(task: Callable[[Item], Result], items: Iterable[Item]) -> list[Result]:
@@ -55,7 +59,7 @@ def in_shares(task: Callable[[Item], Result], items: Iterable[Item]) -> list[Res
 
 def run_tasks(work: Callable[[int, Item], object], jobs: Sequence[Item], label: str) -> None:
     """Do ``work(number, job)`` on all cores, with a bar; what jobs write does not overlap."""
-    with tqdm(total=len(jobs), desc=label, delay=2.0, leave=False, disable=None) as bar:
+    with progress(total=len(jobs), label=label) as bar:
 
         def task(pair: tuple[int, Item]) -> None:
             work(*pair)

@@ -87,7 +87,7 @@ class Potentials:
 
     def _by_order(self, _: int, panels: Panels, rows: slice) -> Iterator[_Part]:
         degree = max(panels.surface.degrees)
-        orders = *self.quadrature.lower_orders(degree), self.quadrature.orders(degree)[0]
+        orders = self.quadrature.far_orders(degree)
         reach = reaches(panels, orders, self.quadrature)[:-1]
         highest = panels.levels(self.targets.position[:, rows], reach).max(axis=0)
         for k in np.unique(highest):

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
 from cadbem.operators.layers import Layers
+from cadbem.progress import stage
 from cadbem.spline.basis import Array
 
 
@@ -82,5 +83,6 @@ def factorise(
         own = space.collocation_matrix(patch).toarray()
         block[:, part] -= free_term * u[:, None, :, None] * own[None, :, None, :]
         matrix[:, :, :, part] = block
-    factors = lu_factor(square.T, overwrite_a=True, check_finite=False)
+    with stage(f"factorising {len(square)} unknowns"):
+        factors = lu_factor(square.T, overwrite_a=True, check_finite=False)
     return DenseFactors(factors, (unknowns, space.count))

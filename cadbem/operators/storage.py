@@ -19,8 +19,8 @@ class Dense:
 class Compressed:
     """Blocks of low rank far away, solved by iteration: memory grows hardly faster than the points.
 
-    ``tolerance`` of each block, and of the residual relative to the right side.  From 1e-6 on
-    numbers of 32 bits are kept.  Raises ``ValueError`` unless 1e-12 <= tolerance <= 1e-2.
+    ``tolerance`` of each block, and of the residual relative to the right side.  From 1e-7 on
+    blocks far away are kept in 32 bits.  Raises ``ValueError`` unless 1e-12 <= tolerance <= 1e-2.
     """
 
     tolerance: float = 1e-6

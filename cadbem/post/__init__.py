@@ -8,7 +8,6 @@ from cadbem.post.fields import edge_lines, tessellated, wall_stresses
 from cadbem.post.frames import Frame
 from cadbem.post.movie import draw_movie, draw_scene, filmstrip
 from cadbem.post.paths import draw_paths
-from cadbem.post.run import draw_run
 from cadbem.post.series import write_channel, write_frame, write_frames, write_index
 from cadbem.post.time_series import draw_series
 from cadbem.post.trajectories import draw_trajectories
@@ -29,7 +28,6 @@ __all__ = [
     "draw_movie",
     "draw_outlines",
     "draw_paths",
-    "draw_run",
     "draw_scene",
     "draw_series",
     "draw_slices",

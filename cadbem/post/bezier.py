@@ -17,13 +17,14 @@ from cadbem.spline.nurbs import Nurbs
 
 
 class Coefficients(Protocol):
-    """A field in the rational basis of the patches: coefficients (dim, n_u, n_v) of a patch."""
+    """A field in the rational basis of the patches: coefficients (dim, n_u[, n_v]) of a patch."""
 
     def patch_coefficients(self, index: int) -> Array: ...
 
 
 def bezier_grid(boundary: Boundary, fields: Mapping[str, Coefficients] | None = None) -> Any:
-    """All patches as a ``pyvista.UnstructuredGrid`` of ``VTK_BEZIER_QUADRILATERAL`` cells.
+    """All patches as a ``pyvista.UnstructuredGrid`` of ``VTK_BEZIER_QUADRILATERAL`` cells, in a
+    plane of ``VTK_BEZIER_CURVE`` cells at z = 0.
 
     One cell for each element; no approximation, in the geometry or in the ``fields``, which
     become point data.  Cell data: ``patch`` (from 0), ``face`` (CAD face number), ``name``
@@ -35,10 +36,12 @@ def bezier_grid(boundary: Boundary, fields: Mapping[str, Coefficients] | None = 
     cells = [piece for group in pieces for piece in group]
     columns = np.concatenate([_in_vtk_order(c.points, c.degrees) for c in cells])
     weights = np.concatenate([_in_vtk_order(c.weights, c.degrees) for c in cells])
-    kinds = np.full(len(cells), pyvista.CellType.BEZIER_QUADRILATERAL, dtype=np.uint8)
+    types = pyvista.CellType
+    kind = types.BEZIER_QUADRILATERAL if boundary.dimension == 3 else types.BEZIER_CURVE
+    kinds = np.full(len(cells), kind, dtype=np.uint8)
     grid = pyvista.UnstructuredGrid(_connectivity(cells), kinds, columns[:, :3].copy())
     _set_attribute(grid.GetPointData(), "RationalWeights", weights)
-    degrees = np.array([(*c.degrees, 1) for c in cells], dtype=float)
+    degrees = np.array([(*c.degrees, 1, 1)[:3] for c in cells], dtype=float)
     _set_attribute(grid.GetCellData(), "HigherOrderDegrees", degrees)
     _add_fields(grid, fields, columns[:, 3:])
     add_numbers(grid, boundary, np.repeat(range(len(pieces)), [len(group) for group in pieces]))
@@ -58,16 +61,20 @@ def _set_attribute(data: Any, name: str, values: Array) -> None:
 def _pieces(boundary: Boundary, index: int, fields: Mapping[str, Coefficients]) -> list[Nurbs]:
     """Bézier pieces of a patch whose control points are (x, y, z, field components ...)."""
     surface = boundary.patches[index].surface
+    flat = np.zeros((*surface.weights.shape, 3 - boundary.dimension))
     values = [np.moveaxis(f.patch_coefficients(index), 0, -1) for f in fields.values()]
-    extended = np.concatenate([surface.points, *values], axis=-1)
+    extended = np.concatenate([surface.points, flat, *values], axis=-1)
     spline = Nurbs(surface.degrees, surface.knots, extended, surface.weights)
     # VTK's surface filter misreads cells of two different degrees; raising one is exact
-    return spline.elevated((max(spline.degrees),) * 2).bezier_pieces()
+    return spline.elevated((max(spline.degrees),) * len(spline.degrees)).bezier_pieces()
 
 
 @cache
 def _vtk_order(degrees: tuple[int, ...]) -> NDArray[np.int64]:
-    """Place in VTK's numbering of the control point (i, j), j fastest: vertices, edges, inside."""
+    """Place in VTK's numbering of the control point (i, j), j fastest: vertices, edges, inside;
+    on a curve the ends, then the points between them."""
+    if len(degrees) == 1:
+        return np.array([0, *range(2, degrees[0] + 1), 1])
     from vtkmodules.vtkCommonDataModel import vtkHigherOrderQuadrilateral
 
     return np.array(
@@ -80,7 +87,7 @@ def _vtk_order(degrees: tuple[int, ...]) -> NDArray[np.int64]:
 
 
 def _in_vtk_order(values: Array, degrees: tuple[int, ...]) -> Array:
-    flat = values.reshape(-1, *values.shape[2:])
+    flat = values.reshape(-1, *values.shape[len(degrees) :])
     ordered = np.empty_like(flat)
     ordered[_vtk_order(degrees)] = flat
     return ordered
@@ -99,5 +106,7 @@ def _add_fields(grid: Any, fields: Mapping[str, Coefficients], columns: Array) -
     for name, field in fields.items():
         count = field.patch_coefficients(0).shape[0]
         values = columns[:, first : first + count]
+        if count == 2:  # as ParaView knows vectors
+            values = np.pad(values, ((0, 0), (0, 1)))
         grid.point_data[name] = values[:, 0].copy() if count == 1 else values.copy()
         first += count

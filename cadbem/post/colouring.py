@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from tqdm import tqdm
 
 from cadbem.errors import CadbemError
 from cadbem.post.bodies import body_surface, density
@@ -17,6 +16,7 @@ from cadbem.post.droplets import tessellated_droplet
 from cadbem.post.fields import between, tessellated
 from cadbem.post.frames import Frame, Shape
 from cadbem.post.style import UnitNames, colour_limits, light_colours, quantity_label
+from cadbem.progress import progress
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 
@@ -48,7 +48,7 @@ class Colouring:
             return None
         found = [
             (values.min(), values.max())
-            for frame in tqdm(frames, desc=name, delay=2)
+            for frame in progress(frames, name)
             for values in _all_values(frame, name)
         ]
         if not found:

@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
-from tqdm import tqdm
 
 from cadbem.errors import CadbemError
 from cadbem.post.palette import Palette
+from cadbem.progress import progress
 
 PACE = 70  # milliseconds that a frame is shown
 REST = 1500  # milliseconds that the last one of a GIF is shown, before it starts again
@@ -31,7 +31,7 @@ class Shots:
     scale: NDArray[np.uint8] | None = None
 
     def __iter__(self) -> Iterator[Image.Image]:
-        return map(self.take, tqdm(range(self.count), desc=self.name, delay=2))
+        return map(self.take, progress(range(self.count), self.name))
 
 
 def encoder(target: Path) -> Callable[[Path, Shots], None]:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from cadbem.errors import CadbemError
+from cadbem.files import make_folder, write_whole
 
 # meshio offers Ansys first for .msh, a format that drops the fields
 _PREFERRED = {".msh": "gmsh"}
@@ -16,12 +17,19 @@ _OPTIONS: dict[str, dict[str, str]] = {"xdmf": {"data_format": "XML"}}
 def write_vtu(path: str | Path, grid: Any) -> Path:
     """Write a grid (see ``bezier_grid``, ``volume_grid``) to a ``.vtu`` file, exactly.
 
-    Raises ``CadbemError`` when the name ends otherwise.
+    Raises ``CadbemError`` when the name ends otherwise, ``ResultsError`` when it cannot be written.
     """
     target = prepared(path)
     if target.suffix != ".vtu":
         raise CadbemError(f"{target}: a grid is written to a file that ends in .vtu")
-    grid.save(target)
+    from vtkmodules.vtkIOXML import vtkXMLUnstructuredGridWriter
+
+    writer = vtkXMLUnstructuredGridWriter()
+    writer.SetInputData(grid)
+    writer.SetDataModeToBinary()
+    writer.WriteToOutputStringOn()
+    writer.Write()
+    write_whole(target, writer.GetOutputString().encode())
     return target
 
 
@@ -60,5 +68,5 @@ def write_mesh(path: str | Path, grid: Any) -> Path:
 def prepared(path: str | Path) -> Path:
     """The path, with its folder made if it was not there."""
     target = Path(path)
-    target.parent.mkdir(parents=True, exist_ok=True)
+    make_folder(target.parent)
     return target

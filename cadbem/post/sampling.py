@@ -9,12 +9,12 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay
-from tqdm import tqdm
 
 from cadbem.boundary import Boundary
 from cadbem.post.display import load_pyvista
 from cadbem.post.fields import PatchField
 from cadbem.problems.enclosure import Enclosure
+from cadbem.progress import progress
 from cadbem.quadrature import Quadrature
 from cadbem.space import Space
 from cadbem.spline.basis import Array
@@ -91,7 +91,7 @@ def in_portions(
     starts = range(0, max(1, points.shape[1]), PORTION)
     parts = [
         function(points[:, start : start + PORTION], quadrature)
-        for start in tqdm(starts, desc=name, delay=2)
+        for start in progress(starts, name)
     ]
     return np.concatenate(parts, axis=-1)
 

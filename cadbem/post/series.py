@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -12,7 +11,7 @@ from xml.etree import ElementTree
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import ShapeError
+from cadbem.files import write_whole
 from cadbem.post.bezier import bezier_grid
 from cadbem.post.bodies import body_name
 from cadbem.post.body_fields import BodyField, control_values, fields_of
@@ -26,14 +25,13 @@ from cadbem.spline.closed import ClosedSpline
 def write_frames(
     folder: str | Path, frames: Sequence[Frame], channel: Boundary | None = None
 ) -> Path:
-    """Bodies in space as exact Bézier cells: ``bodies_0000.vtu`` and so on, and a list of them
-    with their times, ``bodies.pvd``, which ParaView opens; returns its path.  A channel becomes
-    ``channel.vtu``.
+    """Bodies as exact Bézier cells, surfaces or, in a plane, curves: ``bodies_0000.vtu`` and so on,
+    and a list of them with their times, ``bodies.pvd``, which ParaView opens; returns its path.  A
+    channel becomes ``channel.vtu``.
 
     Cell data: ``body``, the number, and those of ``bezier_grid``.  Point data: the frames' fields,
     and the mean curvature of droplets (interpolated at their collocation points); not a number
-    on bodies that have none.  Raises ``CadbemError`` without frames or bodies, ``ShapeError`` for
-    bodies in a plane.
+    on bodies that have none.  Raises ``CadbemError`` without frames or bodies.
     """
     require_frames(None, frames)
     for index, frame in enumerate(frames):
@@ -45,9 +43,7 @@ def write_frames(
 
 def write_frame(folder: str | Path, index: int, frame: Frame) -> Path:
     """One frame of ``write_frames``, ``bodies_0012.vtu`` for the ``index`` 12; without bodies it is
-    empty.  Raises ``ShapeError`` for bodies in a plane."""
-    if any(shape.dimension == 2 for shape in frame.shapes.values()):
-        raise ShapeError("bodies in 2D have no surfaces to write: write_frames is for 3D")
+    empty."""
     return write_vtu(Path(folder) / _file_name(index), _grid(frame))
 
 
@@ -61,9 +57,7 @@ def write_index(folder: str | Path, times: Sequence[float]) -> Path:
         step = {"timestep": repr(float(time)), "part": "0", "file": _file_name(index)}
         ElementTree.SubElement(listing, "DataSet", step)
     ElementTree.indent(root)
-    draft = collection.with_name(".bodies.pvd")
-    ElementTree.ElementTree(root).write(draft, encoding="utf-8", xml_declaration=True)
-    os.replace(draft, collection)
+    write_whole(collection, ElementTree.tostring(root, encoding="utf-8", xml_declaration=True))
     return collection
 
 

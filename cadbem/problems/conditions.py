@@ -15,6 +15,7 @@ from cadbem.errors import ConditionError
 from cadbem.problems.mixed import Given, Split
 from cadbem.problems.profiles import Port
 from cadbem.spline.basis import Array
+from cadbem.units import check
 
 Vector = Sequence[float] | Array
 
@@ -37,7 +38,7 @@ class Inflow:
 
     In a plane it is the flow between parallel plates.  Give either ``mean_velocity``
     (length/time) or ``flow_rate`` (volume/time; area/time in a plane), positive into the fluid.
-     Raises ``ConditionError`` when both or none are given.
+    Raises ``ConditionError`` when both or none are given, ``UnitsError`` for other quantities.
     """
 
     mean_velocity: float | None = None
@@ -46,6 +47,8 @@ class Inflow:
     def __post_init__(self) -> None:
         if (self.mean_velocity is None) == (self.flow_rate is None):
             raise ConditionError("Inflow takes either mean_velocity or flow_rate, not both or none")
+        check("mean_velocity", self.mean_velocity, "velocity")
+        check("flow_rate", self.flow_rate, "flow_rate", "plane_flow_rate")
 
     def mean(self, opening: Port) -> float:
         """Mean velocity through an opening."""
@@ -59,10 +62,14 @@ class Inflow:
 class Pressure:
     """Pressure and zero tangential velocity on a flat opening: flow leaves straight.
 
-    This, not zero traction, is what a developed channel flow fulfils.
+    This, not zero traction, is what a developed channel flow fulfils.  Raises ``UnitsError`` for a
+    quantity that is not a pressure.
     """
 
     value: float = 0.0
+
+    def __post_init__(self) -> None:
+        check("Pressure", self.value, "pressure")
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ into known parts and an unknown q: u = u_known + U q, f = f_known + F q.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -82,6 +82,12 @@ class MixedSystem:
         if isinstance(self.layers, CompressedLayers):
             return self.layers.system(self.free_term, single, double, self.border)
         return factorise(self.layers, self.free_term, single, double, self.border)
+
+    def with_data(self, splits: Sequence[Split]) -> MixedSystem:
+        """The same matrix, its factors shared, with other data on patches of the same kinds."""
+        other = replace(self, splits=splits)
+        vars(other)["factors"] = self.factors
+        return other
 
     def unknowns(
         self,

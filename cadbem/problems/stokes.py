@@ -43,7 +43,9 @@ from cadbem.problems.solution import StokesSolution
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.space import Field, Space, discontinuous_space
 from cadbem.spline.basis import Array
+from cadbem.units import check, check_same
 
+SHARED = ("space", "surfaces", "regions", "openings", "layers", "inner_pressure", "constraints")
 GIVEN_VELOCITY = (NoSlip, Velocity, RigidMotion, Inflow)
 KINDS = (*GIVEN_VELOCITY, Pressure, Traction)
 
@@ -61,7 +63,8 @@ class StokesProblem:
     Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
     drive no flow, given velocities that let in more than out, a background within walls, unbounded
     fluid in a plane (where a body that is pushed sets all of it in motion: Stokes' paradox), a
-    viscosity that is not positive.
+    viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
+    made for another unit of length than the boundary's.
     """
 
     boundary: Boundary
@@ -75,6 +78,9 @@ class StokesProblem:
         if not self.viscosity > 0:
             raise ConditionError(f"viscosity is {self.viscosity}; it must be positive")
         check_names(self.boundary, self.conditions, KINDS)
+        check("viscosity", self.viscosity, "viscosity")
+        data = [(f"'{n}'", v) for n, c in self.conditions.items() for v in vars(c).values()]
+        check_same(self.boundary.unit, [("viscosity", self.viscosity), *data])
         unbounded = not any(s.holds_fluid for s in self.surfaces)
         _check_data(self.boundary, self.conditions, self.background, unbounded)
         for region in self.regions:
@@ -164,6 +170,24 @@ class StokesProblem:
         others = len(self.constraints.fields) - len(within)
         solution = self._solution(known, background, np.concatenate([within, np.zeros(others)]))
         return replace(solution, background=self.background)
+
+    def with_data(self, conditions: Mapping[str, Condition]) -> StokesProblem:
+        """The same problem with other data in some ``conditions`` of the same kinds.
+
+        The matrix depends on kinds alone: it is assembled and factorised once for all of them.
+        Raises ``ConditionError`` where a condition is of another kind.
+        """
+        for name, condition in conditions.items():
+            old = self.conditions.get(name)
+            if type(condition) is not type(old):
+                raise ConditionError(
+                    f"'{name}' has {old!r} and cannot take {condition!r} with the same matrix; "
+                    "make a new StokesProblem"
+                )
+        other = replace(self, conditions={**self.conditions, **conditions})
+        vars(other).update({part: getattr(self, part) for part in SHARED})
+        vars(other)["system"] = self.system.with_data(other.splits)
+        return other
 
     def reflection(self, induced: Array) -> StokesSolution:
         """What the boundary adds to a flow that bodies make, with all given data zero.

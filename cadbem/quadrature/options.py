@@ -31,9 +31,9 @@ class Quadrature:
         far = ceil(degree / 2 + 1 - 0.6 * log10(self.tolerance))
         return far, far + 3, far + 7
 
-    def lower_orders(self, degree: int) -> tuple[int, ...]:
-        """Orders below these, for panels still farther away."""
-        return tuple(range(ceil(degree / 2) + 2, self.orders(degree)[0]))
+    def far_orders(self, degree: int) -> tuple[int, ...]:
+        """Orders up to the first of these, the lowest for panels farthest away."""
+        return tuple(range(min(ceil(degree / 2) + 2, far := self.orders(degree)[0]), far + 1))
 
     def reach(self, order: int, degree: int) -> float:
         """Distance over panel length from which a tensor rule of this order is good enough.
@@ -72,9 +72,9 @@ class UniformSubdivision:
         """The one order."""
         return (self.order,)
 
-    def lower_orders(self, degree: int) -> tuple[int, ...]:
-        """No others."""
-        return ()
+    def far_orders(self, degree: int) -> tuple[int, ...]:
+        """The same."""
+        return (self.order,)
 
     def reach(self, order: int, degree: int) -> float:
         """Distance over element length from which an element is not cut."""

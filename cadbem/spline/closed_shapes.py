@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
+from cadbem.units import check
 
 
 @lru_cache(maxsize=32)
@@ -29,7 +30,12 @@ def spline_ellipsoid(
     degree: int = 4,
     pole: int = 2,
 ) -> ClosedSpline:
-    """An ellipsoid along the coordinate axes with its poles on the axis ``pole`` (0, 1 or 2)."""
+    """An ellipsoid along the coordinate axes with its poles on the axis ``pole`` (0, 1 or 2).
+
+    Raises ``UnitsError`` for quantities that are not lengths.
+    """
+    check("radius or semi-axis", semi_axes, "length")
+    check("centre", centre, "length")
     axes = np.asarray(semi_axes, dtype=float)
     middle = np.zeros(len(axes)) if centre is None else np.asarray(centre, dtype=float)
     turn = 2 - pole if len(axes) == 3 else 0

@@ -17,6 +17,7 @@ import numpy as np
 from cadbem.closed_points import ClosedPoints
 from cadbem.operators.closed import ClosedLayers
 from cadbem.spline.basis import Array
+from cadbem.units import check
 
 Jump = Callable[[ClosedPoints], Array]
 Respond = Callable[[Jump], Array]
@@ -36,10 +37,14 @@ class InterfaceLaw(Protocol):
 class SurfaceTension:
     """A clean interface of constant ``tension`` γ: Δf = γ c n, c = div n (Eq. 1.1, 4.2).
 
-    In 2D and 3D alike: c is 1 / R on a circle and 2 / R on a sphere.
+    In 2D and 3D alike: c is 1 / R on a circle and 2 / R on a sphere.  Raises ``UnitsError`` for a
+    quantity that is not a force per length.
     """
 
     tension: float
+
+    def __post_init__(self) -> None:
+        check("tension", self.tension, "tension")
 
     def jump(self, points: ClosedPoints) -> Array:
         """Δf (dim, N)."""

@@ -115,9 +115,7 @@ class RigidParticle:
         """The shape where it is now."""
         turn = self.pose.matrix
         shift = self.pose.position - turn @ self.resistance.centre
-        moved = [p.surface.transformed(turn, shift) for p in self.shape.patches]
-        pairs = zip(self.shape.patches, moved, strict=True)
-        return replace(self.shape, patches=tuple(replace(p, surface=s) for p, s in pairs))
+        return self.shape.transformed(turn, shift)
 
     def placed(self, rule: SelfRule) -> PlacedParticle:
         """Its geometry, which is always sound."""

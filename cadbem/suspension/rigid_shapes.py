@@ -9,6 +9,7 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.spline.outlines import ellipse
 from cadbem.spline.shapes import ellipsoid
 from cadbem.suspension.particle import RigidParticle
+from cadbem.units import check
 
 
 def rigid_ellipsoid(
@@ -17,8 +18,10 @@ def rigid_ellipsoid(
     """A rigid ellipsoid, or in a plane an ellipse, around ``position``, by default the origin.
 
     Six patches (four arcs) with ``spans`` elements a direction, of at least the ``degree``: 294
-    (28) points by default.
+    (28) points by default.  Raises ``UnitsError`` for quantities that are not lengths.
     """
+    check("radius or semi-axis", semi_axes, "length")
+    check("position", position, "length")
     axes = np.asarray(semi_axes, dtype=float)
     patches = ellipsoid(axes) if len(axes) == 3 else ellipse(axes)
     shape = Boundary(tuple(Patch(p, "particle") for p in patches)).elevated(degree).refined(spans)

@@ -8,35 +8,29 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from tqdm import tqdm
 
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.equivalent import FarField
+from cadbem.progress import progress
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.body import Body, Placed
 from cadbem.suspension.closeness import Contact, StopAtGap, check_start
 from cadbem.suspension.droplet import Droplet
 from cadbem.suspension.mesh import RelaxMesh
+from cadbem.suspension.moment import Moment, coordinates, ends, moved
 from cadbem.suspension.motion import Motion, affine_velocity
 from cadbem.suspension.state import State
 from cadbem.suspension.stepping import Adaptive, Step, Stepper
 from cadbem.suspension.surroundings import Surroundings
 from cadbem.suspension.together import respond_together
 from cadbem.suspension.volume import CorrectVolume
+from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
 ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
 COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
-
-
-@dataclass(frozen=True, eq=False)
-class _Point:
-    """A state with the slope of its coordinates (of all bodies, flat) there."""
-
-    state: State
-    slope: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,45 +76,57 @@ class Simulation:
         and its ``stopped`` tells why.  Raises ConditionError for bodies that are not inside the
         channel, or overlap.
         """
+        for states, _ in self.advance(end, every):
+            yield from states
+
+    def advance(
+        self, end: float, every: float | None = None, since: Moment | None = None
+    ) -> Iterator[tuple[list[State], Moment]]:
+        """The same step by step: the states that ``run`` gives in each, and the moment at its end.
+
+        From that, as ``since``, another call goes on as if there had been no pause.
+        """
+        check("end and every", (end, every), "time")
         if not end > 0 or every is not None and not every > 0:
             raise ShapeError(f"run(end={end}, every={every}): times must be positive")
-        check_start(self.flow, self.start.placed, self.start.numbers)
-        yield self.start
-        wanted = _multiples(end, every)
-        with tqdm(total=end, desc="time", delay=2.0, leave=False, disable=None) as bar:
-            for before, after in self._march(end):
-                state = after.state
+        if since is None:
+            check_start(self.flow, self.start.placed, self.start.numbers)
+            slope = self.slope(self.start)
+            rate = self._first_rate(self.start, slope)
+            since = Moment(self.start, slope, self.stepper.first_length(rate))
+            yield [self.start], since
+        now = since.state.time
+        wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
+        with progress(label="time", total=end, initial=now) as bar:
+            for before, after in self._march(since, end):
+                state, kept = after.state, []
                 bar.update(max(state.time - bar.n, 0.0))
                 while wanted and wanted[0] < state.time * (1 - 1e-12):
-                    yield self._between(before, after, wanted.pop(0))
+                    kept.append(self._between(before, after, wanted.pop(0)))
                 due = bool(wanted) and wanted[0] <= state.time * (1 + 1e-12)
                 if every is None or state.stopped or due:
                     wanted = wanted[1:]
-                    yield state
+                    kept.append(state)
+                yield kept, after
 
-    def _march(self, end: float) -> Iterator[tuple[_Point, _Point]]:
+    def _march(self, moment: Moment, end: float) -> Iterator[tuple[Moment, Moment]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
-        point = _Point(self.start, self.slope(self.start))
-        length = self.stepper.first_length(self._first_rate(point))
-        while point.state.time < end * (1 - 1e-12):
-            length = min(length, end - point.state.time)
-            after, length = self._step(point, length, SMALLEST_STEP * end)
-            yield point, after
-            if after.state.stopped:
-                return
-            point = self._without_left(after)
+        while not moment.state.stopped and moment.state.time < end * (1 - 1e-12):
+            moment = self._without_left(moment)
+            length = min(moment.length, end - moment.state.time)
+            after = self._step(moment, length, SMALLEST_STEP * end)
+            yield moment, after
+            moment = after
 
-    def _step(self, point: _Point, length: float, smallest: float) -> tuple[_Point, float]:
-        """The next accepted point, and the length that the step after it may have."""
-        state, largest = point.state, self.fastest(point.state)
-        length = min(length, self.stepper.bound(largest), _longest(point))
+    def _step(self, moment: Moment, length: float, smallest: float) -> Moment:
+        """The next accepted moment."""
+        state, largest = moment.state, self.fastest(moment.state)
+        length = min(length, self.stepper.bound(largest), _longest(moment))
         evaluations = state.evaluations
         while length > smallest:
             rate = _Rate(self, state, state.guess)
             try:
-                step = self.stepper.attempt(
-                    rate, _coordinates(state), point.slope, length, largest
-                )
+                step = self.stepper.attempt(rate, coordinates(state), moment.slope, length, largest)
                 evaluations += step.evaluations
                 error = self._error(state, step.error)
                 accepted, following = self.stepper.next_length(length, error, step.power)
@@ -128,7 +134,7 @@ class Simulation:
                     old = replace(state, guess=rate.guess)
                     after = self._after(old, step, length, evaluations)
                     if not _too_far(state, after):
-                        return self._accept(old, after, step.slope), following
+                        return self._accept(old, after, step.slope, following)
                     following = length / 2
             except (ShapeError, ConditionError):
                 following = length / 4
@@ -137,14 +143,14 @@ class Simulation:
             f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
             "up, or bodies come too close; take more points"
         )
-        return replace(point, state=replace(state, stopped=reason)), length
+        return replace(moment, state=replace(state, stopped=reason))
 
     def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
         """The state that a step leads to, repaired."""
-        moved = _moved(old, step.state)
-        drifts = [b.drift(start) for b, start in self._with_starts(moved)]
+        bare = moved(old, step.state)
+        drifts = [b.drift(start) for b, start in self._with_starts(bare)]
         return replace(
-            self._repaired(moved, self.mesh), time=old.time + length, steps=old.steps + 1,
+            self._repaired(bare, self.mesh), time=old.time + length, steps=old.steps + 1,
             evaluations=evaluations + self._needs_slope(step.slope), length=length,
             drift=max(drifts, key=abs),
         )  # fmt: skip
@@ -153,8 +159,8 @@ class Simulation:
         """Whether the slope at a step's end must be worked out for the next step."""
         return slope is None or self.mesh is not None
 
-    def _accept(self, old: State, after: State, slope: Array | None) -> _Point:
-        """The point after a step; the old one, stopped, if it is not sound.
+    def _accept(self, old: State, after: State, slope: Array | None, following: float) -> Moment:
+        """The moment after a step; the old one, stopped, if it is not sound.
 
         The state is made anew only where it changes: it has its gaps worked out.
         """
@@ -162,26 +168,26 @@ class Simulation:
         reasons += [self.contact.reason(gap) for gap in after.gaps]
         if any(reasons):
             stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
-            return _Point(replace(old, stopped=stopped), np.empty(0))
+            return Moment(replace(old, stopped=stopped), np.empty(0), following)
         leaving = _leaving(after)
         if leaving:
             left = old.left | leaving
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
         if slope is None or self._needs_slope(slope):
-            return _Point(after, self.slope(after))
-        return _Point(after, slope)
+            slope = self.slope(after)
+        return Moment(after, slope, following)
 
-    def _without_left(self, point: _Point) -> _Point:
-        """The point without bodies that have left."""
-        state = point.state
+    def _without_left(self, moment: Moment) -> Moment:
+        """The moment without bodies that have left."""
+        state = moment.state
         stay = [i for i, n in enumerate(state.numbers) if n not in state.left]
         if len(stay) == len(state.numbers):
-            return point
+            return moment
         bodies = tuple(state.bodies[i] for i in stay)
         numbers = tuple(state.numbers[i] for i in stay)
         state = replace(state, bodies=bodies, numbers=numbers, guess=())
-        return _Point(state, self.slope(state))
+        return replace(moment, state=state, slope=self.slope(state))
 
     def _with_starts(self, state: State) -> list[tuple[Body, Body]]:
         """Each body, and what it was at the beginning."""
@@ -196,7 +202,7 @@ class Simulation:
 
     def _error(self, state: State, change: Array) -> float:
         """Largest displacement of a body in a change of coordinates, relative to its size."""
-        parts = np.split(change, _ends(state))
+        parts = np.split(change, ends(state))
         return max(b.error(part) for b, part in zip(state.bodies, parts, strict=True))
 
     def slope(self, state: State) -> Array:
@@ -204,26 +210,25 @@ class Simulation:
         pairs = zip(state.placed, state.responses, strict=True)
         return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
 
-    def _first_rate(self, point: _Point) -> float:
+    def _first_rate(self, start: State, slope: Array) -> float:
         """The fastest rate at the beginning, that of motion included."""
-        motion = self._error(point.state, point.slope)
-        return max(self.fastest(point.state), FIRST_MOVES * motion)
+        return max(self.fastest(start), FIRST_MOVES * self._error(start, slope))
 
     def fastest(self, state: State) -> float:
         """Rate at which the shortest waves that the points carry relax, at most."""
         return max(p.fastest(self.flow.viscosity) for p in state.placed)
 
-    def _between(self, before: _Point, after: _Point, time: float) -> State:
+    def _between(self, before: Moment, after: Moment, time: float) -> State:
         """The state at a time within a step, by cubic Hermite interpolation."""
         start, end = before.state, after.state
         length = end.time - start.time
         s = (time - start.time) / length
         flat = (
-            (1 + 2 * s) * (1 - s) ** 2 * _coordinates(start)
-            + s**2 * (3 - 2 * s) * _coordinates(end)
+            (1 + 2 * s) * (1 - s) ** 2 * coordinates(start)
+            + s**2 * (3 - 2 * s) * coordinates(end)
             + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
         )
-        return self._repaired(replace(_moved(end, flat), time=time), None)
+        return self._repaired(replace(moved(end, flat), time=time), None)
 
 
 @dataclass(eq=False)
@@ -235,26 +240,10 @@ class _Rate:
     guess: tuple[Array, ...]
 
     def __call__(self, flat: Array) -> Array:
-        state = replace(_moved(self.state, flat), guess=self.guess)
+        state = replace(moved(self.state, flat), guess=self.guess)
         slope = self.simulation.slope(state)
         self.guess = tuple(r.unknown for r in state.responses)
         return slope
-
-
-def _coordinates(state: State) -> Array:
-    return np.concatenate([b.coordinates for b in state.bodies])
-
-
-def _ends(state: State) -> Array:
-    """Where one body's coordinates end and the next one's begin."""
-    return np.cumsum([b.coordinates.size for b in state.bodies])[:-1]
-
-
-def _moved(state: State, flat: Array) -> State:
-    """The state with the coordinates of a flat array."""
-    parts = np.split(flat, _ends(state))
-    bodies = [b.at(part) for b, part in zip(state.bodies, parts, strict=True)]
-    return replace(state, bodies=tuple(bodies))
 
 
 def _too_far(before: State, after: State) -> bool:
@@ -265,12 +254,11 @@ def _too_far(before: State, after: State) -> bool:
     )
 
 
-def _longest(point: _Point) -> float:
+def _longest(moment: Moment) -> float:
     """The time in which a body goes ``ROOM`` times as far as its gap or spacing: longer steps
     might cut corners."""
-    parts = zip(
-        point.state.bodies, point.state.gaps, np.split(point.slope, _ends(point.state)), strict=True
-    )
+    state = moment.state
+    parts = zip(state.bodies, state.gaps, np.split(moment.slope, ends(state)), strict=True)
     return min(
         ROOM * max(gap.length, gap.spacing) / max(float(np.linalg.norm(b.shift(part))), 1e-300)
         for b, gap, part in parts

@@ -75,7 +75,7 @@ class Adaptive:
     ) -> Step:
         """One step; ``slope`` is the rate at its beginning, ``largest`` the fastest decay rate."""
         if largest == 0.0:
-            return _dormand_prince(rate, state, slope, length)
+            return dormand_prince(rate, state, slope, length)
         stages = min(max(2, 1 + ceil(sqrt(1 + 1.54 * length * largest))), self.stages)
         coefficients = chebyshev_coefficients(stages)
         before, current = state, state + coefficients[0] * length * slope
@@ -113,8 +113,10 @@ class Adaptive:
 Stepper = Euler | Adaptive
 
 
-def _dormand_prince(rate: Rate, state: Array, slope: Array, length: float) -> Step:
-    """A step of order 5 with an error estimate of order 4, by SciPy's coefficients."""
+def dormand_prince(rate: Rate, state: Array, slope: Array, length: float | Array) -> Step:
+    """A step of order 5 with an error estimate of order 4, by SciPy's coefficients.
+
+    The ``length`` may be one number or an array that goes with the ``state``."""
     slopes = [slope]
     for row in RK45.A[1:]:
         slopes.append(rate(state + length * np.tensordot(row[: len(slopes)], slopes, 1)))

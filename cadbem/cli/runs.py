@@ -1,0 +1,170 @@
+"""``cadbem run``, ``resume``, ``render`` and ``sweep``: scripts and what they left."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import runpy
+import sys
+from pathlib import Path
+from typing import Any
+
+from cadbem.cli.parser import Commands, Options, Parser, UsageError, add_command, counting
+
+
+def add_run(commands: Commands) -> None:
+    """``cadbem run``."""
+    parser = add_command(
+        commands,
+        _run,
+        "run",
+        "run a workflow: a Python script that uses cadbem",
+        "Like 'python SCRIPT', but a mistake in the input ends in one line instead of a\n"
+        "traceback.  Whatever follows SCRIPT is for the script; those in workflows/ take\n"
+        "-o FOLDER, where results go, and explain themselves: cadbem run SCRIPT --help.\n\n"
+        "example: cadbem run workflows/y_junction_flow.py -o results/first",
+    )
+    _add_cores(parser)
+    parser.add_argument("script", metavar="SCRIPT", help="a Python file")
+    _add_rest(parser, "arguments of the script")
+
+
+def add_resume(commands: Commands) -> None:
+    """``cadbem resume``."""
+    parser = add_command(
+        commands,
+        _resume,
+        "resume",
+        "go on with a run or a sweep that was interrupted",
+        "Runs the folder's script again with the same arguments; what it had stored is kept and\n"
+        "gone on with from the last step.  Other arguments may follow, such as a later --end.\n"
+        "What is finished is not computed again.\n\n"
+        "example: cadbem resume results/first",
+    )
+    _add_cores(parser)
+    parser.add_argument("folder", metavar="FOLDER", help="where the results are")
+    _add_rest(parser, "arguments of the script that are to change")
+
+
+def add_render(commands: Commands) -> None:
+    """``cadbem render``."""
+    parser = add_command(
+        commands,
+        _render,
+        "render",
+        "draw movie, film strip, paths and time series of a stored simulation",
+        "The run need not have ended.  Pictures go to FOLDER/pictures and replace what was drawn\n"
+        "there; for ParaView there is FOLDER/paraview/bodies.pvd.\n\n"
+        "example: cadbem render results/first --colour 'mean curvature'",
+    )
+    parser.add_argument("folder", metavar="FOLDER", help="where the results are")
+    parser.add_argument(
+        "--colour",
+        metavar="FIELD",
+        default="",
+        help="what colours show: 'mean curvature', 'velocity', 'traction jump' (default: the body)",
+    )
+
+
+def add_sweep(commands: Commands) -> None:
+    """``cadbem sweep``."""
+    parser = add_command(
+        commands,
+        _sweep,
+        "sweep",
+        "run a workflow for many values of its parameters",
+        "Values are first:last:count, first:last:count:log, or a list 1,2,5; several options make\n"
+        "all combinations; other options are passed on.  Each point is a run in a folder of its\n"
+        "own; table.csv and sweep.png collect what they found.  All cores are used, each by one\n"
+        "run.  An interrupted sweep goes on with 'cadbem resume FOLDER'.\n\n"
+        "example: cadbem sweep workflows/droplet_shear.py --capillary 0.05:0.4:8 --parts shape",
+    )
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="default: results/NAME_sweep")
+    parser.add_argument(
+        "-j", "--jobs", type=counting, metavar="N", help="runs at a time (default: one a core)"
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="of a dask scheduler, such as tcp://host:8786, whose workers see the same files",
+    )
+    parser.add_argument("script", metavar="SCRIPT", help="a Python file that ends in cb.run(main)")
+    _add_rest(parser, "options of the script, of which some have several values")
+
+
+def _add_cores(parser: Parser) -> None:
+    parser.add_argument(
+        "--cores", type=counting, metavar="N", help="cores to use (default: all that there are)"
+    )
+
+
+def _add_rest(parser: Parser, what: str) -> None:
+    parser.add_argument("arguments", metavar="...", nargs=argparse.REMAINDER, help=what)
+
+
+def _run(options: Options) -> None:
+    script = Path(options.script)
+    if not script.is_file():
+        raise UsageError(f"{script}: there is no such script")
+    if options.cores:
+        _limit(options.cores)
+    sys.argv = [str(script), *options.arguments]
+    sys.path.insert(0, str(script.resolve().parent))
+    runpy.run_path(str(script), run_name="__main__")
+
+
+def _limit(cores: int) -> None:
+    """Use so many cores, of linear algebra too, which reads its number when it is loaded."""
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ[f"{library}_NUM_THREADS"] = str(cores)
+    from cadbem.operators.pool import CORES
+
+    CORES.set(cores)
+
+
+def _resume(options: Options) -> Any:
+    folder = Path(options.folder)
+    if (folder / "sweep.json").exists():
+        from cadbem.sweep import resume_sweep
+
+        return resume_sweep(folder)
+    from cadbem.results.folder import read_asked
+
+    asked = read_asked(folder)
+    if not asked["script"]:
+        raise UsageError(f"{folder} was not made by a script; it cannot be gone on with from here")
+    if "resume" not in asked["arguments"]:
+        raise UsageError(
+            f"{asked['script']['file']} cannot go on with a run: its main takes no 'resume'; run "
+            "it again"
+        )
+    given = asked["arguments"] | {"output": str(folder)}
+    words = [word for name, value in given.items() for word in _option(name, value)]
+    options.script = asked["script"]["file"]
+    options.arguments = [*words, *options.arguments, "--resume"]
+    return _run(options)
+
+
+def _option(name: str, value: Any) -> list[str]:
+    """An argument of a workflow's main as words of a command line."""
+    option = f"--{name.replace('_', '-')}"
+    if isinstance(value, bool):
+        return [option] if value and name != "resume" else []
+    return [f"{option}={value}"]
+
+
+def _render(options: Options) -> None:
+    from cadbem.results.render import render
+
+    for picture in render(options.folder, options.colour):
+        print(picture)
+
+
+def _sweep(options: Options) -> int:
+    from cadbem.sweep import begin_sweep
+
+    script = Path(options.script)
+    if not script.is_file():
+        raise UsageError(f"{script}: there is no such script")
+    output = options.output or f"results/{script.stem}_sweep"
+    return begin_sweep(script, options.arguments, output, options.jobs, options.cluster)

@@ -1,0 +1,59 @@
+"""Where droplets end up."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from cadbem.spline.basis import Array
+from cadbem.suspension.droplet import Droplet
+from cadbem.suspension.history import History, record
+from cadbem.suspension.simulation import Simulation
+
+
+@dataclass(frozen=True, eq=False)
+class Fate:
+    """What became of one droplet: the ``opening`` through which it left at a ``time``, or "" and
+    why the run ``ended``; its ``path`` (dim, N) of centres at the ``times`` (N,), the largest
+    ``deformation`` D and the narrowest ``gap`` among the states kept, inf where it was wide."""
+
+    droplet: Droplet
+    opening: str
+    time: float
+    ended: str
+    times: Array
+    path: Array
+    deformation: float
+    gap: float
+
+
+def droplet_fate(simulation: Simulation, end: float, every: float | None = None) -> Fate:
+    """Run a ``simulation`` of one droplet up to a time ``end`` and tell what became of it.
+
+    The states of each multiple of ``every``, by default of all steps, are looked at.  Raises what
+    ``Simulation.run`` raises.
+    """
+    return fate_of(record(simulation.run(end, every)))
+
+
+def fate_of(run: History) -> Fate:
+    """What became of the droplet of a ``run`` with one body, whose states were kept."""
+    last = run.last
+    times, path = run.track()
+    return Fate(
+        droplet=run.states[0].droplet,
+        opening=last.gaps[0].opening if last.left else "",
+        time=last.time,
+        ended=last.stopped or f"still inside at time {last.time:.4g}",
+        times=times,
+        path=path,
+        deformation=float(run.deformation.max()),
+        gap=min(state.gaps[0].length for state in run.states),
+    )
+
+
+def droplet_fates(
+    simulation: Simulation, droplets: Iterable[Droplet], end: float, every: float | None = None
+) -> list[Fate]:
+    """The same for several ``droplets``, each alone in the ``simulation``'s flow."""
+    return [droplet_fate(replace(simulation, bodies=d), end, every) for d in droplets]

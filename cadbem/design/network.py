@@ -1,0 +1,171 @@
+"""A chip as a network: flow rates through its openings against their pressures.
+
+Stokes flow is linear, so that Q = G p for the flow rates Q into the fluid and the pressures p of n
+openings.  G (n, n), the conductance, has rows that sum to 0 (equal pressures drive nothing),
+columns that sum to 0 (fluid is conserved), and is symmetric (Lorentz's reciprocal theorem).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cadbem.boundary import Boundary
+from cadbem.errors import ConditionError, SelectionError
+from cadbem.operators.storage import Storage
+from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
+from cadbem.problems.mixed import patches_named
+from cadbem.problems.solution import StokesSolution
+from cadbem.problems.stokes import StokesProblem
+from cadbem.quadrature import Quadrature, Rules
+from cadbem.spline.basis import Array
+
+
+@dataclass(frozen=True, eq=False)
+class OperatingPoint:
+    """``flow_rates`` (n,) into the fluid and ``pressures`` (n,) of openings by ``names``, and the
+    pressures ``outside`` (n,), beyond their tubing."""
+
+    names: tuple[str, ...]
+    flow_rates: Array
+    pressures: Array
+    outside: Array
+
+    @property
+    def fractions(self) -> dict[str, float]:
+        """The share of the whole outflow that leaves through each outlet."""
+        leaving = np.maximum(-self.flow_rates, 0.0)
+        shares = leaving / leaving.sum()
+        return {n: float(s) for n, s in zip(self.names, shares, strict=True) if s > 0}
+
+
+@dataclass(frozen=True, eq=False)
+class Network:
+    """``conductance`` G (n, n) between openings: Q = G p, in flow rate over pressure.
+
+    ``problem`` has a pressure on each of them and keeps its factors.
+    """
+
+    names: tuple[str, ...]
+    conductance: Array
+    problem: StokesProblem
+
+    @property
+    def asymmetry(self) -> float:
+        """|G - Gᵀ| over |G|, largest entries: 0 but for errors of discretisation."""
+        return float(abs(self.conductance - self.conductance.T).max() / abs(self.conductance).max())
+
+    def resistance(self, reference: str) -> Array:
+        """R (n-1, n-1): p_i - p_reference = Σ_j R_ij Q_j over the other openings, in their order.
+
+        For two openings it is one number, pressure drop over flow rate.
+        """
+        kept = np.arange(len(self.names)) != self._index(reference)
+        return np.asarray(np.linalg.inv(self.conductance[np.ix_(kept, kept)]), dtype=float)
+
+    def operate(
+        self,
+        pressures: Mapping[str, float] | None = None,
+        flow_rates: Mapping[str, float] | None = None,
+        tubing: Mapping[str, float] | None = None,
+    ) -> OperatingPoint:
+        """All flow rates and pressures, from one of both at each opening.
+
+        ``tubing`` has resistances (pressure over flow rate) outside; a pressure is then given at
+        the tube's far end.  Raises ``ConditionError`` unless each opening has either a pressure or
+        a flow rate (0: closed), and at least one a pressure.
+        """
+        given, driven = dict(pressures or {}), dict(flow_rates or {})
+        self._check(given, driven, tubing or {})
+        tubes = np.array([(tubing or {}).get(n, 0.0) for n in self.names], dtype=float)
+        fixed = np.array([n in given for n in self.names])
+        right = np.array([{**given, **driven}[n] for n in self.names], dtype=float)
+        # p + tube × Q = P where a pressure is given, Q = G p where a flow rate is
+        held = np.eye(len(self.names)) + tubes[:, None] * self.conductance
+        scale = abs(self.conductance).max()
+        rows = np.where(fixed[:, None], held, self.conductance / scale)
+        inside = np.linalg.solve(rows, np.where(fixed, right, right / scale))
+        rates = np.where(fixed, self.conductance @ inside, right)
+        outside = np.where(fixed, right, inside + tubes * rates)
+        return OperatingPoint(self.names, rates, inside, outside)
+
+    def flow(self, point: OperatingPoint) -> StokesSolution:
+        """The flow field at an operating point, without another factorisation."""
+        pairs = zip(point.names, point.pressures, strict=True)
+        return self.problem.with_data({n: Pressure(float(p)) for n, p in pairs}).solve()
+
+    def _check(
+        self, given: Mapping[str, float], driven: Mapping[str, float], tubing: Mapping[str, float]
+    ) -> None:
+        for name in (*given, *driven, *tubing):
+            self._index(name)
+        for name in self.names:
+            if (name in given) == (name in driven):
+                raise ConditionError(
+                    f"'{name}' must have either a pressure or a flow rate, not both or none; "
+                    "a closed opening has the flow rate 0"
+                )
+        if not given:
+            raise ConditionError("flow rates alone leave pressures open; give one opening its own")
+        if min(tubing.values(), default=0.0) < 0:
+            raise ConditionError(f"tubing={dict(tubing)}: resistances cannot be negative")
+
+    def _index(self, name: str) -> int:
+        if name not in self.names:
+            there = ", ".join(f"'{n}'" for n in self.names)
+            raise SelectionError(f"no opening is called '{name}'; the openings are {there}")
+        return self.names.index(name)
+
+
+def hydraulic_network(
+    channel: Boundary,
+    viscosity: float,
+    openings: Sequence[str],
+    quadrature: Rules | None = None,
+    storage: Storage | None = None,
+) -> Network:
+    """The network of a ``channel`` whose flat ``openings`` are named; all other faces are walls.
+
+    Raises ``ConditionError`` for fewer than two openings.
+    """
+    _check_names(channel, openings)
+    conditions: dict[str, Condition] = {n: Pressure(float(n == openings[0])) for n in openings}
+    conditions |= {n: NoSlip() for n in channel.names if n not in conditions}
+    rules = quadrature or Quadrature()
+    return network_of(StokesProblem(channel, viscosity, conditions, rules, storage=storage))
+
+
+def network_of(problem: StokesProblem) -> Network:
+    """The network of a ``problem``'s openings: those with an inflow, a pressure or a traction.
+
+    Its data do not matter.  The matrix is assembled and factorised once for all openings.  Raises
+    ``ConditionError`` where other faces are not at rest, or for fewer than two openings.
+    """
+    kinds = Inflow | Pressure | Traction
+    names = tuple(n for n, c in problem.conditions.items() if isinstance(c, kinds))
+    for name, condition in problem.conditions.items():
+        if name not in names and not isinstance(condition, NoSlip):
+            raise ConditionError(
+                f"'{name}' has {condition!r}; between openings of a network walls are at rest, "
+                "give it NoSlip()"
+            )
+    _check_names(problem.boundary, names)
+    ends = [{n: Pressure(float(n == driven)) for n in names} for driven in names]
+    whole = StokesProblem(
+        problem.boundary, problem.viscosity, {**problem.conditions, **ends[0]},
+        problem.quadrature, storage=problem.storage,
+    )  # fmt: skip
+    columns = []
+    for end in ends:
+        flow = whole.with_data(end).solve()
+        columns.append([flow.flow_rate(n) for n in names])
+    return Network(names, np.array(columns).T, whole)
+
+
+def _check_names(channel: Boundary, openings: Sequence[str]) -> None:
+    for name in openings:
+        patches_named(channel, name)
+    if len(set(openings)) < 2:
+        raise ConditionError(f"openings are {list(openings)}: a network has at least two")

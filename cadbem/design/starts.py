@@ -1,0 +1,58 @@
+"""Where fluid enters: starts of passive tracers, each with the flow that it stands for."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from math import ceil
+
+import numpy as np
+
+from cadbem.errors import ConditionError
+from cadbem.points import surface_points
+from cadbem.problems.conditions import Inflow, Pressure, Traction
+from cadbem.problems.mixed import patches_named
+from cadbem.problems.solution import StokesSolution
+from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
+from cadbem.spline.basis import Array
+
+OPEN = Inflow | Pressure | Traction
+
+
+@dataclass(frozen=True, eq=False)
+class Starts:
+    """``points`` (dim, N), and the flow rate (N,) that each stands for."""
+
+    points: Array
+    flow_rates: Array
+
+
+def inlet_starts(solution: StokesSolution, *names: str, count: int = 100) -> Starts:
+    """About ``count`` starts on the openings of some ``names``, by default all that let fluid in.
+
+    They are Gauss points, so that ∫ u·n g dS over the openings is the sum of flow rate times g.
+    Raises ``ConditionError`` where nothing flows in, ``SelectionError`` for an unknown name.
+    """
+    conditions = solution.problem.conditions
+    chosen = names or [n for n, c in conditions.items() if isinstance(c, OPEN)]
+    entering = [n for n in chosen if solution.flow_rate(n) > 0]
+    if not entering:
+        openings = ", ".join(f"'{n}'" for n in chosen)
+        raise ConditionError(f"no fluid enters through {openings}; name an inlet")
+    patches = [i for n in entering for i in patches_named(solution.space.boundary, n)]
+    parts = [_on_patch(solution, i, count / len(patches)) for i in patches]
+    return Starts(
+        np.concatenate([p.points for p in parts], axis=1),
+        np.concatenate([p.flow_rates for p in parts]),
+    )
+
+
+def _on_patch(solution: StokesSolution, patch: int, count: float) -> Starts:
+    surface = solution.space.boundary.patches[patch].surface
+    order = max(1, ceil(count ** (1 / len(surface.degrees)) - 1e-9))
+    rules = [gauss_on_breaks(order, np.array(domain)) for domain in surface.domain]
+    parameters, weights = tensor_rule(rules)
+    points = surface_points(surface, *parameters)
+    velocity = solution.velocity.on_patch(patch, *parameters)
+    entering = (velocity * points.normal).sum(axis=0) * points.jacobian * weights
+    kept = entering > 0
+    return Starts(points.position[:, kept], entering[kept])

@@ -1,0 +1,90 @@
+"""Files that are whole at any moment, whatever happens to the process that writes them."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+
+from filelock import FileLock, Timeout
+
+from cadbem.errors import ResultsError
+
+LOCK = ".lock"
+
+
+def write_whole(path: Path, content: bytes) -> None:
+    """Replace a file at once: readers see the old content or the new one, never a part.
+
+    Raises ``ResultsError`` for a full disk or a folder that cannot be written to.
+    """
+    beside = path.with_name(f".{path.name}.new")
+    with told(path):
+        try:
+            with beside.open("wb") as file:
+                file.write(content)
+                file.flush()
+                os.fsync(file.fileno())
+            beside.replace(path)
+        except OSError:
+            with suppress(OSError):
+                beside.unlink()
+            raise
+
+
+def write_at(path: Path, position: int, content: bytes) -> int:
+    """Write at a position of a file and cut off what follows; returns where it ends now.
+
+    Raises ``ResultsError`` as ``write_whole`` does, and where the file is too short.
+    """
+    with told(path), path.open("r+b" if path.exists() else "w+b") as file:
+        if file.seek(0, os.SEEK_END) < position:
+            raise ResultsError(f"{path} has been shortened since: the run cannot go on with it")
+        file.seek(position)
+        file.write(content)
+        file.truncate()
+        file.flush()
+        os.fsync(file.fileno())
+        return file.tell()
+
+
+def make_folder(path: Path) -> Path:
+    """The folder, made with those above it.  Raises ``ResultsError`` when it cannot be made."""
+    with told(path):
+        path.mkdir(parents=True, exist_ok=True)
+    return path
+
+
+@contextmanager
+def told(path: Path) -> Iterator[None]:
+    """Say what the system refused as a ``ResultsError``, with the remedy."""
+    try:
+        yield
+    except OSError as error:
+        if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
+            remedy = "make room and go on with 'cadbem resume'"
+        else:
+            remedy = "choose a folder that you may write to with -o"
+        raise ResultsError(f"{path}: cannot be written ({error.strerror}); {remedy}") from error
+
+
+@contextmanager
+def locked(folder: Path) -> Iterator[None]:
+    """Keep other processes from writing to a folder; a lock ends with its process.
+
+    Raises ``ResultsError`` when another one holds it.
+    """
+    lock = FileLock(folder / LOCK)
+    with told(folder / LOCK):
+        try:
+            lock.acquire(timeout=0)
+        except Timeout as error:
+            raise ResultsError(
+                f"{folder}: another process is writing to it; wait for that, or choose another -o"
+            ) from error
+    try:
+        yield
+    finally:
+        lock.release()

@@ -1,0 +1,58 @@
+"""What was asked for: the script and its arguments, versions, files with their digests."""
+
+from __future__ import annotations
+
+import hashlib
+import inspect
+import os
+import platform
+from collections.abc import Sequence
+from datetime import datetime
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import FrameType
+from typing import Any
+
+from cadbem.errors import ResultsError
+
+LIBRARIES = ("cadbem", "gmsh", "numpy", "scipy", "numba", "pyvista", "h5py")
+
+
+def asked_by(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
+    """Of the function that calls: its file with the digest, its arguments that are numbers, words
+    or truth values; versions, machine, time; the ``inputs`` with their digests."""
+    script = Path(inspect.getframeinfo(caller).filename).resolve()
+    values = inspect.getargvalues(caller)
+    arguments = {name: values.locals[name] for name in values.args}
+    plain = {k: v for k, v in arguments.items() if isinstance(v, str | int | float | bool)}
+    return {
+        "script": digested(script) if script.is_file() else None,
+        "arguments": plain,
+        "inputs": [digested(Path(file)) for file in inputs],
+        "began": datetime.now().astimezone().isoformat(timespec="seconds"),
+        "working_folder": str(Path.cwd()),
+        "versions": {"python": platform.python_version()} | _versions(),
+        "machine": f"{platform.platform()}, {os.cpu_count()} cores",
+    }
+
+
+def digested(file: Path) -> dict[str, Any]:
+    """A file's whole path, its size in bytes and the SHA-256 of its content."""
+    try:
+        content = file.read_bytes()
+    except OSError as error:
+        raise ResultsError(
+            f"{file}: cannot be read ({error.strerror}); its digest belongs to the results"
+        ) from error
+    digest = hashlib.sha256(content).hexdigest()
+    return {"file": str(file.resolve()), "bytes": len(content), "sha256": digest}
+
+
+def _versions() -> dict[str, str]:
+    found = {}
+    for name in LIBRARIES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found

@@ -1,0 +1,181 @@
+"""States, moments and shapes as HDF5, to the last bit."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from cadbem.boundary import Boundary, Patch
+from cadbem.errors import ResultsError
+from cadbem.files import write_whole
+from cadbem.spline.basis import Array
+from cadbem.spline.closed import ClosedBasis, ClosedSpline
+from cadbem.spline.nurbs import Nurbs
+from cadbem.suspension.body import Body
+from cadbem.suspension.moment import Moment
+from cadbem.suspension.particle import RigidParticle
+from cadbem.suspension.pose import Pose
+from cadbem.suspension.simulation import Simulation
+from cadbem.suspension.state import State
+
+Shape = ClosedSpline | Boundary
+Fields = Mapping[int, Mapping[str, Array]]
+COUNTS = ("time", "steps", "evaluations", "length", "drift", "stopped")
+
+
+class Writing:
+    """``with Writing(path) as file``: an HDF5 file that appears at once when the block ends."""
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._memory = path, BytesIO()
+
+    def __enter__(self) -> h5py.File:
+        self._file = h5py.File(self._memory, "w")
+        return self._file
+
+    def __exit__(self, kind: object, *rest: object) -> None:
+        self._file.close()
+        if kind is None:
+            write_whole(self._path, self._memory.getvalue())
+
+
+def reading(path: Path) -> h5py.File:
+    """The file, to read; raises ``ResultsError`` when it is missing or damaged."""
+    try:
+        return h5py.File(path, "r")
+    except OSError as error:
+        raise ResultsError(f"{path} is missing or damaged; start the run anew") from error
+
+
+def write_state(place: h5py.Group, state: State) -> None:
+    """All that a state has, but its simulation."""
+    for name in COUNTS:
+        place.attrs[name] = getattr(state, name)
+    place.attrs["left"] = json.dumps(state.left)
+    place.attrs["numbers"] = np.array(state.numbers, dtype=np.int64)
+    for number, body in zip(state.numbers, state.bodies, strict=True):
+        place[f"body_{number}/coordinates"] = body.coordinates
+    for k, guess in enumerate(state.guess):
+        place[f"guess/{k}"] = guess
+
+
+def read_state(place: h5py.Group, simulation: Simulation) -> State:
+    """The state of a simulation."""
+    numbers = tuple(int(n) for n in place.attrs["numbers"])
+    starts = simulation.start.bodies
+    guess = place.get("guess", {})
+    return State(
+        simulation,
+        bodies=tuple(starts[n - 1].at(place[f"body_{n}/coordinates"][:]) for n in numbers),
+        numbers=numbers,
+        left={int(n): text for n, text in json.loads(place.attrs["left"]).items()},
+        guess=tuple(guess[str(k)][:] for k in range(len(guess))),
+        **{name: _plain(place.attrs[name]) for name in COUNTS},
+    )
+
+
+def write_moment(place: h5py.Group, moment: Moment) -> None:
+    """A moment, from which the run can go on."""
+    write_state(place.create_group("state"), moment.state)
+    place["slope"] = moment.slope
+    place.attrs["length"] = moment.length
+
+
+def read_moment(place: h5py.Group, simulation: Simulation) -> Moment:
+    """The moment of a simulation."""
+    state = read_state(place["state"], simulation)
+    return Moment(state, place["slope"][:], float(place.attrs["length"]))
+
+
+def write_fields(place: h5py.Group, fields: Fields) -> None:
+    """Coefficients of fields on bodies, by number and name."""
+    for number, values in fields.items():
+        for name, coefficients in values.items():
+            place[f"body_{number}/{name}"] = coefficients
+
+
+def read_fields(place: h5py.Group) -> dict[int, dict[str, Array]]:
+    """Those fields, beside which there are only the bodies' coordinates."""
+    return {
+        int(n): {k: v[:] for k, v in place[f"body_{n}"].items() if k != "coordinates"}
+        for n in place.attrs["numbers"]
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class Rest:
+    """A body as it is drawn, to be put where its coordinates say: a ``shape``, and the ``centre``
+    about which a rigid one turns, None for a droplet."""
+
+    shape: Shape
+    centre: Array | None = None
+
+    @classmethod
+    def of(cls, body: Body) -> Rest:
+        """That of a droplet or particle."""
+        if isinstance(body, RigidParticle):
+            return cls(body.shape, body.resistance.centre)
+        return cls(body.shape)  # type: ignore[attr-defined]
+
+    def at(self, coordinates: Array) -> Shape:
+        """The shape with a body's coordinates."""
+        if isinstance(self.shape, ClosedSpline):
+            shaped = coordinates.reshape(self.shape.coefficients.shape)
+            return replace(self.shape, coefficients=shaped)
+        assert self.centre is not None
+        pose = Pose.of(coordinates, self.shape.dimension)
+        return self.shape.transformed(pose.matrix, pose.position - pose.matrix @ self.centre)
+
+
+def write_rest(place: h5py.Group, rest: Rest) -> None:
+    """A body as it is drawn."""
+    if isinstance(rest.shape, ClosedSpline):
+        place.attrs["degree"] = rest.shape.basis.degree
+        place["coefficients"] = rest.shape.coefficients
+    else:
+        write_boundary(place, rest.shape)
+        place["centre"] = rest.centre
+
+
+def read_rest(place: h5py.Group) -> Rest:
+    """That body."""
+    if "coefficients" in place:
+        coefficients = place["coefficients"][:]
+        basis = ClosedBasis(int(place.attrs["degree"]), coefficients.shape[1:])
+        return Rest(ClosedSpline(basis, coefficients))
+    return Rest(read_boundary(place), place["centre"][:])
+
+
+def write_boundary(place: h5py.Group, boundary: Boundary) -> None:
+    """Patches with their names."""
+    place.attrs.update(source=boundary.source, unit=boundary.unit, patches=len(boundary.patches))
+    for i, patch in enumerate(boundary.patches):
+        part = place.create_group(f"patch_{i}")
+        part.attrs.update(name=patch.name, face=patch.face, degrees=patch.surface.degrees)
+        part["points"], part["weights"] = patch.surface.points, patch.surface.weights
+        for d, knots in enumerate(patch.surface.knots):
+            part[f"knots_{d}"] = knots
+
+
+def read_boundary(place: h5py.Group) -> Boundary:
+    """Those patches."""
+    patches = tuple(_patch(place[f"patch_{i}"]) for i in range(place.attrs["patches"]))
+    return Boundary(patches, place.attrs["source"], place.attrs["unit"])
+
+
+def _patch(part: h5py.Group) -> Patch:
+    degrees = tuple(int(degree) for degree in part.attrs["degrees"])
+    knots = tuple(part[f"knots_{d}"][:] for d in range(len(degrees)))
+    surface = Nurbs(degrees, knots, part["points"][:], part["weights"][:])
+    return Patch(surface, part.attrs["name"], int(part.attrs["face"]))
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if hasattr(value, "item") else value

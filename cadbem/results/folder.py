@@ -1,0 +1,156 @@
+"""The folder of a run: what was asked, what came out, and how it went."""
+
+from __future__ import annotations
+
+import inspect
+import json
+import os
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+from cadbem.errors import ResultsError
+from cadbem.files import make_folder, told, write_whole
+from cadbem.progress import STAGES, notice
+from cadbem.results.asked import asked_by
+from cadbem.suspension.simulation import Simulation
+from cadbem.suspension.state import State
+
+ASKED, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
+
+
+@dataclass(frozen=True)
+class RunFolder:
+    """Where the results of a run go: ``folder / "picture.png"``; nothing is kept without a
+    ``path``, and the folder then counts as false.  ``resumed``: it holds results already."""
+
+    path: Path | None
+    resumed: bool = False
+
+    def __bool__(self) -> bool:
+        return self.path is not None
+
+    def __truediv__(self, name: str) -> Path:
+        return Path(self) / name
+
+    def __fspath__(self) -> str:
+        if self.path is None:
+            raise ResultsError("there is no folder to write to; ask 'if folder:' first")
+        return str(self.path)
+
+    def __str__(self) -> str:
+        return str(self.path)
+
+    def run(
+        self, simulation: Simulation, end: float, every: float | None = None, part: str = ""
+    ) -> Iterator[State]:
+        """``simulation.run(end, every)``, kept step by step in the folder, or in its ``part``.
+
+        A folder that is resumed gives the states that it holds and goes on from there.  Frames are
+        in frames/, for ParaView in paraview/bodies.pvd; each scalar measure in run.csv and
+        bodies.csv.  Raises ``ResultsError`` when the folder holds the run of another simulation,
+        when a disk is full, and as ``Simulation.run`` does.
+        """
+        if self.path is None:
+            return simulation.run(end, every)
+        from cadbem.results.store import Store
+
+        place = self.path / part
+        label = f"{part}: " if part else ""
+        return Store(place, simulation, lambda text: self.note(label + text)).run(end, every)
+
+    def summary(self, values: Mapping[str, float | str]) -> None:
+        """Keep what the run found, by names with units, in summary.json: a sweep tabulates it."""
+        if self.path is not None:
+            plain = {k: v if isinstance(v, str) else float(v) for k, v in values.items()}
+            write_whole(self.path / SUMMARY, _json(plain))
+
+    def note(self, text: str) -> None:
+        """Add a line to log.txt, with the time of day."""
+        STAGES.info("%s: %s", self, text)
+        path = self / LOG
+        with told(path), path.open("a") as log:
+            log.write(f"{datetime.now():%Y-%m-%d %H:%M:%S}  {text}\n")
+
+
+def run_folder(
+    output: str | os.PathLike[str], *inputs: str | Path, resume: bool = False
+) -> RunFolder:
+    """Make the folder ``output`` for the results of the script that calls, "" for no results.
+
+    run.json says what was asked: the script with the arguments of the function that calls,
+    versions, and the digests of the ``inputs``, files such as a CAD file.  ``resume`` takes up the
+    folder of an earlier run.
+
+    Raises ``ResultsError`` when the folder holds something (or, to resume, no run or one with
+    other inputs), and when it cannot be made.
+    """
+    if not os.fspath(output):
+        return RunFolder(None)
+    frame = inspect.currentframe()
+    assert frame is not None and frame.f_back is not None
+    asked = asked_by(frame.f_back, inputs)
+    path = Path(output)
+    if resume:
+        return _resumed(path, asked)
+    if _taken(path):
+        how = f"go on with 'cadbem resume {path}', or " if (path / ASKED).exists() else ""
+        raise ResultsError(f"{path} exists already; {how}choose another folder with -o")
+    folder = RunFolder(make_folder(path))
+    write_whole(path / ASKED, _json(asked))
+    script = asked["script"]
+    if script:
+        write_whole(path / "script.py", Path(script["file"]).read_bytes())
+    folder.note("began")
+    return folder
+
+
+def _taken(path: Path) -> bool:
+    """Whether there is something that must not be lost; hidden files are what a run that was
+    killed at its very beginning leaves."""
+    with told(path):
+        if not path.is_dir():
+            return path.exists()
+        return any(not file.name.startswith(".") for file in path.iterdir())
+
+
+def read_asked(path: Path) -> dict[str, Any]:
+    """What was asked of the run in a folder.  Raises ``ResultsError`` when it holds none."""
+    try:
+        return json.loads((path / ASKED).read_text())
+    except (OSError, ValueError) as error:
+        raise ResultsError(f"{path} holds no run: there is no {ASKED} to read") from error
+
+
+def _resumed(path: Path, asked: Mapping[str, Any]) -> RunFolder:
+    before = read_asked(path)
+    for old, new in zip(before["inputs"], asked["inputs"], strict=False):
+        if old["sha256"] != new["sha256"]:
+            raise ResultsError(
+                f"{new['file']} has changed since the run in {path} began; start it anew in "
+                "another folder"
+            )
+    folder = RunFolder(path, resumed=True)
+    folder.note("resumed")
+    for what in _changes(before, asked):
+        folder.note(what)
+        notice(f"{path}: {what}")
+    return folder
+
+
+def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
+    """What is not as it was when the run began, and may matter."""
+    old, new = before["script"], now["script"]
+    if old and new and old["sha256"] != new["sha256"]:
+        yield f"{new['file']} has changed since the run began"
+    for kind in ("versions", "arguments"):
+        for name, value in now[kind].items():
+            was = before[kind].get(name)
+            if value != was and name not in ("output", "resume"):
+                yield f"{name} is {value}, was {was}"
+
+
+def _json(values: Mapping[str, Any]) -> bytes:
+    return (json.dumps(values, indent=2, ensure_ascii=False) + "\n").encode()

@@ -1,0 +1,112 @@
+"""Every scalar measure of a state: rows of the tables ``run.csv`` and ``bodies.csv``."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from cadbem.post.frames import Frame
+from cadbem.spline.basis import Array
+from cadbem.suspension.channel_flow import ChannelFlow
+from cadbem.suspension.droplet import Droplet, PlacedDroplet
+from cadbem.suspension.measures import Measures
+from cadbem.suspension.particle import RigidParticle
+from cadbem.suspension.state import State
+
+Row = dict[str, Any]
+AXES = "xyz"
+SCALARS = (
+    "volume", "area", "deformation", "inclination", "longest", "shortest", "inertia_deformation",
+    "power", "dissipation", "smallest_angle", "size_ratio",
+)  # fmt: skip
+
+
+def run_row(state: State, seconds: float) -> Row:
+    """The whole: time, steps so far, mean pressure and flow rate at each opening of a channel;
+    ``seconds`` of CPU time since the run was begun or gone on with."""
+    row: Row = {
+        "time": state.time,
+        "bodies": len(state.numbers),
+        "steps": state.steps,
+        "evaluations": state.evaluations,
+        "step_length": state.length,
+        "volume_drift": state.drift,
+        "iterations": max((r.iterations for r in state.responses), default=0),
+        "cpu_seconds": seconds,
+    }
+    flow = state.simulation.flow
+    if isinstance(flow, ChannelFlow):
+        for name in flow.problem.openings:
+            row[f"pressure {name}"] = state.walls.mean_pressure(name)
+            row[f"flow_rate {name}"] = state.walls.flow_rate(name)
+    return row
+
+
+def body_rows(state: State) -> list[Row]:
+    """A row for each body."""
+    measures, gaps = iter(state.measures), {gap.body: gap for gap in state.gaps}
+    rows = []
+    for number, body, response in zip(state.numbers, state.bodies, state.responses, strict=True):
+        droplet = isinstance(body, Droplet)
+        row: Row = {
+            "time": state.time,
+            "body": number,
+            "kind": "droplet" if droplet else "particle",
+            **_vector("", body.centre),
+            "gap": gaps[number].length if number in gaps else np.inf,
+        }
+        shape = _droplet(next(measures)) if droplet else _particle(body, response)
+        rows.append(row | shape)
+    return rows
+
+
+def _droplet(found: Measures) -> Row:
+    row = _vector("velocity_", found.velocity)
+    row |= {name: getattr(found, name) for name in SCALARS}
+    for k, length in enumerate(found.semi_axes, 1):
+        row[f"semi_axis_{k}"] = float(length)
+    return row
+
+
+def _particle(body: Any, response: Any) -> Row:
+    row = _vector("velocity_", response.velocity)
+    spin = response.angular_velocity
+    row |= _vector("angular_velocity_", spin) if len(spin) == 3 else {"angular_velocity": spin[0]}
+    turn = body.pose.turn
+    if len(turn) == 1:
+        return row | {"turn": float(turn[0])}
+    return row | {f"turn_{axis}": float(v) for axis, v in zip("xyzw", turn, strict=True)}
+
+
+def _vector(name: str, values: Array) -> Row:
+    return {f"{name}{axis}": float(value) for axis, value in zip(AXES, values, strict=False)}
+
+
+def columns(state: State) -> tuple[list[str], list[str]]:
+    """The columns of both tables, for all that a run may come to hold."""
+    names: dict[str, None] = {}
+    for row in body_rows(state):
+        names |= dict.fromkeys(row)
+    return list(run_row(state, 0.0)), list(names)
+
+
+def line(row: Row, names: list[str]) -> str:
+    """A line of a table; what a row lacks stays empty, numbers keep all digits."""
+    cells = [row.get(name, "") for name in names]
+    return ",".join(str(c) if isinstance(c, str | int) else repr(float(c)) for c in cells) + "\n"
+
+
+def frame_of(state: State) -> Frame:
+    """The bodies with velocity and jump of the traction, or the traction of a particle, for
+    pictures and ParaView: coefficients."""
+    fields = {}
+    parts = zip(state.numbers, state.bodies, state.placed, state.responses, strict=True)
+    for number, body, placed, response in parts:
+        if isinstance(body, RigidParticle):
+            fields[number] = {"traction": body.pose.matrix @ response.traction.coefficients}
+        elif isinstance(placed, PlacedDroplet):
+            layers, basis = placed.layers, placed.body.shape.basis
+            jump = response.jump(layers.targets).reshape(-1, *basis.shape)
+            fields[number] = {"velocity": response.velocity, "traction jump": basis.fit(jump)}
+    return Frame(state.time, state.shapes, fields)

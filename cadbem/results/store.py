@@ -1,0 +1,178 @@
+"""A simulation's run kept in a folder while it goes on, from which it can go on after any end.
+
+At each accepted step the frames that it completes are written, then the rows of the tables, and
+last the checkpoint, which says how many frames and bytes count.  What an interruption leaves beyond
+that is overwritten: a run loses at most the step that it was at.
+"""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import h5py
+
+from cadbem.errors import ResultsError
+from cadbem.files import locked, make_folder, write_at, write_whole
+from cadbem.post.series import write_channel, write_frame, write_index
+from cadbem.results.describe import described, first_difference
+from cadbem.results.encode import (
+    Rest,
+    Writing,
+    read_moment,
+    read_state,
+    reading,
+    write_boundary,
+    write_fields,
+    write_moment,
+    write_rest,
+    write_state,
+)
+from cadbem.results.series import body_rows, columns, frame_of, line, run_row
+from cadbem.suspension.channel_flow import ChannelFlow
+from cadbem.suspension.moment import Moment
+from cadbem.suspension.simulation import Simulation
+from cadbem.suspension.state import State
+
+ASKED, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
+FRAMES, PARAVIEW = "frames", "paraview"
+TABLES = ("run.csv", "bodies.csv")
+Note = Callable[[str], None]
+
+
+def frame_file(folder: Path, index: int) -> Path:
+    """Where the frame of an index is."""
+    return folder / FRAMES / f"{index:05d}.h5"
+
+
+@dataclass(frozen=True, eq=False)
+class Store:
+    """The ``folder`` of one simulation's run, and who is told what happens, ``note``."""
+
+    folder: Path
+    simulation: Simulation
+    note: Note
+
+    def run(self, end: float, every: float | None) -> Iterator[State]:
+        """The states that ``simulation.run`` gives: first those of an earlier run, if there was
+        one, then the rest of them."""
+        make_folder(self.folder)
+        with locked(self.folder):
+            kept = self._begun(every)
+            if kept is None:
+                since, progress = None, _Progress()
+            else:
+                since, progress = kept
+                self.note(f"goes on from t = {since.state.time:.6g}, {len(progress.times)} frames")
+            for index in range(len(progress.times)):
+                yield self._frame(index)
+            yield from self._rest(end, every, since, progress)
+
+    def _rest(
+        self, end: float, every: float | None, since: Moment | None, progress: _Progress
+    ) -> Iterator[State]:
+        """What is still to be done."""
+        reached = since.state.time if since else 0.0
+        started = time.process_time() - progress.seconds
+        try:
+            for states, moment in self.simulation.advance(end, every, since):
+                progress = replace(progress, seconds=time.process_time() - started)
+                for state in states:
+                    progress = self._keep(state, progress)
+                self._checkpoint(moment, progress)
+                reached = moment.state.time
+                yield from states
+                if moment.state.stopped:
+                    self.note(f"ended: {moment.state.stopped}")
+        except BaseException as error:
+            why = "interrupted" if isinstance(error, KeyboardInterrupt | GeneratorExit) else error
+            self.note(f"stopped at t = {reached:.6g}: {why}")
+            raise
+        self.note(f"done at t = {reached:.6g}, {len(progress.times)} frames")
+
+    def _begun(self, every: float | None) -> tuple[Moment, _Progress] | None:
+        """Where an earlier run of the same simulation ended; begins one if there was none.
+
+        Raises ``ResultsError`` when it was another simulation.
+        """
+        asked = described(self.simulation) | {"every": repr(every)}
+        file, checkpoint = self.folder / ASKED, self.folder / CHECKPOINT
+        if file.exists():
+            differs = first_difference(json.loads(file.read_text()), asked)
+            if differs:
+                raise ResultsError(
+                    f"{self.folder} holds the run of something else ({differs}); go on with what "
+                    "it was made from, or choose another folder"
+                )
+        if checkpoint.exists():
+            with reading(checkpoint) as place:
+                return read_moment(place, self.simulation), _Progress.read(place)
+        self._begin(asked)
+        return None
+
+    def _begin(self, asked: dict[str, str]) -> None:
+        start, flow = self.simulation.start, self.simulation.flow
+        make_folder(self.folder / FRAMES)
+        with Writing(self.folder / SETUP) as place:
+            if isinstance(flow, ChannelFlow):
+                write_boundary(place.create_group("channel"), flow.problem.boundary)
+            for number, body in zip(start.numbers, start.bodies, strict=True):
+                write_rest(place.create_group(f"body_{number}"), Rest.of(body))
+        if isinstance(flow, ChannelFlow):
+            write_channel(self.folder / PARAVIEW, flow.problem.boundary)
+        write_whole(self.folder / ASKED, (json.dumps(asked, indent=1) + "\n").encode())
+
+    def _frame(self, index: int) -> State:
+        with reading(frame_file(self.folder, index)) as place:
+            return read_state(place, self.simulation)
+
+    def _keep(self, state: State, progress: _Progress) -> _Progress:
+        """Write a frame and its rows."""
+        index, times = len(progress.times), (*progress.times, state.time)
+        work = replace(state)  # what is worked out for the tables is not kept in memory
+        frame = frame_of(work)
+        with Writing(frame_file(self.folder, index)) as place:
+            write_state(place, state)
+            write_fields(place, frame.fields)
+        write_frame(self.folder / PARAVIEW, index, frame)
+        write_index(self.folder / PARAVIEW, times)
+        heads = progress.columns or columns(work)
+        rows = [run_row(work, progress.seconds)], body_rows(work)
+        sizes = []
+        for name, head, size, part in zip(TABLES, heads, progress.sizes, rows, strict=True):
+            text = "" if size else ",".join(head) + "\n"
+            text += "".join(line(row, head) for row in part)
+            sizes.append(write_at(self.folder / name, size, text.encode()))
+        return replace(progress, times=times, columns=heads, sizes=tuple(sizes))
+
+    def _checkpoint(self, moment: Moment, progress: _Progress) -> None:
+        with Writing(self.folder / CHECKPOINT) as place:
+            write_moment(place, moment)
+            progress.write(place)
+
+
+@dataclass(frozen=True)
+class _Progress:
+    """What counts of the files: the frames' ``times``, the ``columns`` of both tables and their
+    ``sizes`` in bytes; CPU ``seconds`` spent."""
+
+    times: tuple[float, ...] = ()
+    columns: tuple[list[str], list[str]] | None = None
+    sizes: tuple[int, ...] = (0, 0)
+    seconds: float = 0.0
+
+    def write(self, place: h5py.Group) -> None:
+        place["times"] = self.times
+        place.attrs.update(
+            columns=json.dumps(self.columns), sizes=self.sizes, seconds=self.seconds
+        )
+
+    @classmethod
+    def read(cls, place: h5py.Group) -> _Progress:
+        sizes = tuple(int(size) for size in place.attrs["sizes"])
+        names = json.loads(place.attrs["columns"])
+        times = tuple(float(t) for t in place["times"][:])
+        return cls(times, names, sizes, float(place.attrs["seconds"]))

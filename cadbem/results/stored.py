@@ -1,0 +1,82 @@
+"""A run read back from its folder, without the script that made it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from cadbem.boundary import Boundary
+from cadbem.errors import ResultsError
+from cadbem.post.frames import Frame
+from cadbem.results.encode import Rest, read_boundary, read_fields, read_rest, reading
+from cadbem.results.store import CHECKPOINT, SETUP, TABLES, frame_file
+from cadbem.spline.basis import Array
+
+
+@dataclass(frozen=True, eq=False)
+class StoredRun:
+    """A simulation's run in a ``folder``; the frames' ``times`` (N,) as far as it has come."""
+
+    folder: Path
+    times: Array
+
+    @cached_property
+    def channel(self) -> Boundary | None:
+        """The channel, or None in unbounded fluid."""
+        with reading(self.folder / SETUP) as place:
+            return read_boundary(place["channel"]) if "channel" in place else None
+
+    @cached_property
+    def _rests(self) -> dict[int, Rest]:
+        with reading(self.folder / SETUP) as place:
+            bodies = [name for name in place if name.startswith("body_")]
+            return {int(name[5:]): read_rest(place[name]) for name in bodies}
+
+    def frame(self, index: int) -> Frame:
+        """The bodies at one of the times, with their fields."""
+        with reading(frame_file(self.folder, index)) as place:
+            shapes = {
+                int(n): self._rests[int(n)].at(place[f"body_{n}/coordinates"][:])
+                for n in place.attrs["numbers"]
+            }
+            return Frame(float(place.attrs["time"]), shapes, read_fields(place))
+
+    @property
+    def frames(self) -> list[Frame]:
+        """All of them, in the order of time."""
+        return [self.frame(index) for index in range(len(self.times))]
+
+    @property
+    def run_table(self) -> dict[str, Array]:
+        """The columns (N,) of run.csv."""
+        return _columns(self.folder / TABLES[0])
+
+    @property
+    def body_table(self) -> dict[str, Array]:
+        """The columns of bodies.csv: a row for each frame and body; not a number where empty."""
+        return _columns(self.folder / TABLES[1])
+
+
+def open_run(path: str | Path) -> StoredRun:
+    """The run of a simulation in a folder, finished or not.
+
+    Raises ``ResultsError`` when there is none; where a run has parts, it names them.
+    """
+    folder = Path(path)
+    if not (folder / CHECKPOINT).exists():
+        parts = sorted(p.parent.name for p in folder.glob(f"*/{CHECKPOINT}"))
+        hint = f"; its parts have: {', '.join(parts)}" if parts else ""
+        raise ResultsError(f"{folder} holds no frames of a simulation{hint}")
+    with reading(folder / CHECKPOINT) as place:
+        return StoredRun(folder, place["times"][:])
+
+
+def _columns(file: Path) -> dict[str, Any]:
+    table = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8",
+                          deletechars="", replace_space=" ")  # fmt: skip
+    assert table.dtype.names is not None
+    return {name: np.atleast_1d(table[name]) for name in table.dtype.names}

@@ -1,0 +1,50 @@
+"""Who carries out the runs of a sweep: this machine's cores, or a cluster."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
+from typing import Any
+
+from cadbem.errors import CadbemError
+from cadbem.sweep.point import Point, as_task, run_point
+
+Outcome = tuple[Point, bool]
+
+
+def on_this_machine(points: Sequence[Point], jobs: int) -> Iterator[Outcome]:
+    """Each point and whether it ended well, as they end, so many at a time."""
+    pool: Executor = ThreadPoolExecutor(jobs)  # of threads that wait for processes
+    try:
+        tasks = {pool.submit(run_point, as_task(point)): point for point in points}
+        for task in as_completed(tasks):
+            yield tasks[task], task.result()
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+
+
+def on_a_cluster(points: Sequence[Point], address: str) -> Iterator[Outcome]:
+    """The same by the workers of a dask scheduler, one core a point.
+
+    Raises ``CadbemError`` without dask, or when the scheduler does not answer.
+    """
+    client, completed = _client(address)
+    with client:
+        tasks = {client.submit(run_point, as_task(p), pure=False): p for p in points}
+        for task in completed(tasks):
+            yield tasks[task], task.result()
+
+
+def _client(address: str) -> tuple[Any, Callable[..., Any]]:
+    try:
+        from dask.distributed import Client
+        from dask.distributed import as_completed as completed
+    except ImportError as error:
+        raise CadbemError("--cluster needs dask; type: pip install 'dask[distributed]'") from error
+    try:
+        return Client(address, timeout=20), completed
+    except (OSError, ValueError) as error:
+        raise CadbemError(
+            f"--cluster {address}: no dask scheduler answers there ({error}); start one with "
+            "'dask scheduler' and workers with 'dask worker'"
+        ) from error

@@ -1,0 +1,121 @@
+"""Sweeps: values, runs in processes of their own, the table, going on, a cluster."""
+
+import csv
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import cadbem as cb
+from cadbem.cli import main
+from cadbem.errors import ResultsError
+from cadbem.sweep import begin_sweep, resume_sweep
+from cadbem.sweep.values import parsed, points_of, values_of
+
+SCRIPT = '''"""A square's area and a marker of how often it was worked out."""
+from pathlib import Path
+
+import cadbem as cb
+
+
+def main(output: str = "", side: float = 1.0, name: str = "a", {more}) -> None:
+    folder = cb.run_folder(output{resumed})
+    with Path(__file__).with_name("calls").open("a") as calls:
+        calls.write(f"{{side:g}}\\n")
+    if side == 3 and Path(__file__).with_name("broken").exists():
+        raise cb.ShapeError("no square of side 3 today")
+    folder.summary({{"area": side**2, "name": name}})
+
+
+if __name__ == "__main__":
+    cb.run(main)
+'''
+
+
+@pytest.fixture
+def script(tmp_path) -> Path:
+    file = tmp_path / "square.py"
+    file.write_text(SCRIPT.format(more="points: int = 1", resumed=""))
+    return file
+
+
+def calls(script: Path) -> list[str]:
+    return sorted(script.with_name("calls").read_text().split())
+
+
+def table(folder: Path) -> list[dict[str, str]]:
+    return list(csv.DictReader((folder / "table.csv").open()))
+
+
+def test_values():
+    """Evenly spaced, evenly in proportion, as listed; with a unit; other text stands for itself."""
+    assert values_of("0.05:0.4:8") == ["0.05", "0.1", "0.15", "0.2", "0.25", "0.3", "0.35", "0.4"]
+    assert values_of("1:1000:4:log") == ["1", "10", "100", "1000"]
+    assert values_of("1,2.5,-4e-3") == ["1", "2.5", "-0.004"]
+    assert values_of("10:30:3 uL/min") == ["10 uL/min", "20 uL/min", "30 uL/min"]
+    assert [values_of(t) for t in ("0.4", "shape volume", "a:b:c", "results/x")] == [[]] * 4
+    with pytest.raises(cb.CadbemError, match="one side of zero"):
+        values_of("-1:1:3:log")
+
+
+def test_which_options_are_swept():
+    arguments = ["--capillary", "0.1:0.2:2", "--parts", "shape", "--points=100,200", "--end=5"]
+    swept, others = parsed(arguments)
+    assert swept == {"capillary": ["0.1", "0.2"], "points": ["100", "200"]}
+    assert others == ["--parts", "shape", "--end=5"]
+    pairs = [tuple(point.values()) for point in points_of(swept)]
+    assert pairs == [("0.1", "100"), ("0.1", "200"), ("0.2", "100"), ("0.2", "200")]
+    with pytest.raises(cb.CadbemError, match="nothing to sweep"):
+        parsed(["--end", "5"])
+
+
+def test_sweep_fails_in_part_and_goes_on(script, tmp_path, capsys):
+    """Areas of squares; the run that failed is the only one that is done again."""
+    script.with_name("broken").touch()
+    folder = tmp_path / "out"
+    arguments = ["-o", str(folder), str(script), "--side", "1:3:3", "--name=b"]
+    assert main(["sweep", *arguments]) == 1
+    printed = capsys.readouterr()
+    assert "no square of side 3 today" in printed.err
+    assert [row["state"] for row in table(folder)] == ["done", "done", "not done"]
+    script.with_name("broken").unlink()
+    assert main(["resume", str(folder)]) == 0
+    found = table(folder)
+    assert [float(row["area"]) for row in found] == [1, 4, 9]
+    assert {row["name"] for row in found} == {"b"}
+    assert calls(script) == ["1", "2", "3", "3"]
+    assert (folder / "sweep.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(ResultsError, match="go on with 'cadbem resume"):
+        begin_sweep(script, ["--side", "1:2:2"], folder)
+
+
+def test_sweep_on_a_cluster(script, tmp_path):
+    """The same by the workers of a dask scheduler on this machine."""
+    distributed = pytest.importorskip("dask.distributed")
+    local = distributed.LocalCluster(
+        n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None
+    )
+    with local as cluster:
+        address = cluster.scheduler_address
+        assert begin_sweep(script, ["--side=2,5"], tmp_path / "out", cluster=address) == 0
+    assert [float(row["area"]) for row in table(tmp_path / "out")] == [4, 25]
+
+
+def test_no_scheduler(script, tmp_path):
+    pytest.importorskip("dask.distributed")
+    with pytest.raises(cb.CadbemError, match="no dask scheduler answers"):
+        begin_sweep(script, ["--side=2,5"], tmp_path / "out", cluster="carrier-pigeon://loft:9")
+
+
+def test_a_run_that_can_is_gone_on_with(script, tmp_path):
+    """A point whose folder holds a begun run gets --resume, which the script's main must take."""
+    script.write_text(
+        SCRIPT.format(more="resume: bool = False", resumed=", resume=resume")
+        + "\n# resumable\n"
+    )
+    folder = tmp_path / "out"
+    assert begin_sweep(script, ["--side", "1,2"], folder) == 0
+    (folder / "run_2" / "summary.json").unlink()
+    assert resume_sweep(folder) == 0
+    assert "resumed" in (folder / "run_2" / "log.txt").read_text()
+    np.testing.assert_allclose([float(row["area"]) for row in table(folder)], [1, 4])
