@@ -32,7 +32,6 @@ autodoc_typehints = "none"
 autodoc_preserve_defaults = True
 default_role = "code"
 smartquotes = False
-suppress_warnings = ["toc.not_readable"]  # no gallery before its pictures are made
 
 
 def setup(app: Sphinx) -> None:

@@ -113,14 +113,9 @@ def paths():
     channel = cb.read_cad("geometries/bent_pipe.step").elevated(2).refined(2)
     ends = {"inlet": cb.Inflow(mean_velocity=1.0), "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
     solution = cb.StokesProblem(channel, 1.0, ends).solve()
-    starts = [channel.patches[k].quadrature(2)[0] for k in channel.select("inlet")]
-    places = [np.hstack([start.position + 0.05 * start.normal for start in starts])]
-    for _ in range(40):
-        middle = places[-1] + 0.06 * solution.velocity_at(places[-1])
-        places.append(places[-1] + 0.12 * solution.velocity_at(middle))
-    tracks = np.moveaxis(places, 2, 0).swapaxes(1, 2)
-    times = [0.12 * np.arange(41)] * len(tracks)
-    cb.draw_paths("paths.png", channel, list(tracks), values=times, label="time")
+    tracers = cb.trace(solution, cb.inlet_starts(solution, count=40), time_limit=8.0)
+    paths, times = tracers.paths, tracers.moments
+    cb.draw_paths("paths.png", channel, paths, values=times, label="time", units=cb.Units())
 
 
 def around():

@@ -17,6 +17,7 @@ from cadbem.post.display import load_pyvista
 from cadbem.post.export import prepared
 from cadbem.post.layout import (
     Size,
+    View,
     add_axes,
     aim,
     corner_view,
@@ -79,10 +80,7 @@ def draw_paths(
     with sheet(path, size, 2, views[0].aspect(extent)) as plotter:
         for i, view in enumerate(views):
             panel(plotter, i)
-            reach = extent
-            if channel is not None:
-                add_channel(plotter, channel, view)
-                reach = np.hstack([extent, add_openings(plotter, channel, view)])
+            reach = extent if channel is None else _add_walls(plotter, channel, view, extent)
             for tube in tubes:
                 _add_tube(plotter, tube, look.limits)
             aim(plotter, view, reach, AXES_ROOM)
@@ -92,6 +90,12 @@ def draw_paths(
             colour_bar(plotter, sample_of(look.limits, COLOUR_MAP), look.title, 0.4, 0.5)
         add_text(plotter, size_label(extent, look.unit), (0.02, 0.72), scaled(plotter, SMALL))
     return Path(path)
+
+
+def _add_walls(plotter: Any, channel: Boundary, view: View, extent: Array) -> Array:
+    """The channel with its openings; points (3, N) that the picture has to hold."""
+    add_channel(plotter, channel, view)
+    return np.hstack([extent, add_openings(plotter, channel, view)])
 
 
 @dataclass(frozen=True)

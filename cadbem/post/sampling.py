@@ -90,8 +90,7 @@ def in_portions(
     """Values (..., M) of a function of points (dim, M), asked for part by part."""
     starts = range(0, max(1, points.shape[1]), PORTION)
     parts = [
-        function(points[:, start : start + PORTION], quadrature)
-        for start in progress(starts, name)
+        function(points[:, start : start + PORTION], quadrature) for start in progress(starts, name)
     ]
     return np.concatenate(parts, axis=-1)
 

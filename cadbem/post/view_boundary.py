@@ -70,13 +70,12 @@ def draw_boundary(
 ) -> Path:
     """Picture of the faces in the colours of their names, with the numbers that ``named`` takes.
 
-    Two views from opposite corners, more where faces hide behind others, and a last one through
-    the walls for those that are not seen from outside.  Faces without a name have a tint each;
-    thin lines divide a face into patches.  A boundary in a plane is drawn with its edges' numbers.
-    ``defects`` maps numbers of faces to polylines (3, N) on them: these faces are red and
-    the others grey.  Those without patches are drawn by ``skins``, triangles (M, 3 corners, 3) by
-    number, or by their polylines alone.
-    Raises ``DisplayError`` where pictures cannot be drawn.
+    Two views from opposite corners, more where faces hide behind others, and one through the walls
+    for those not seen from outside.  Faces without a name have a tint each; thin lines divide a
+    face into patches.  In a plane edges have their numbers.
+    ``defects`` maps numbers of faces to polylines (3, N) on them: these are red, the others grey.
+    Those without patches are drawn by ``skins``, triangles (M, 3 corners, 3) by number, or by
+    their polylines alone.  Raises ``DisplayError`` where pictures cannot be drawn.
     """
     if boundary.patches and boundary.dimension == 2:
         return draw_plane_boundary(boundary, path, size)
@@ -90,15 +89,11 @@ def draw_boundary(
         for i, (view, through) in enumerate(panels):
             panel(plotter, i)
             lift = lifted(view, extent)
-            shown = surface
+            shown = _only(surface, hidden) if through else surface
             if through:
-                shown = _only(surface, hidden)
-                plotter.add_mesh(surface, color=WALL, opacity=0.15, lighting=False, culling="back")
-                add_text(plotter, "hidden from outside:", (0.03, 0.9), scaled(plotter, SMALL))
+                _add_glass(plotter, surface)
             _add_faces(plotter, boundary, shown, list(lines))
-            if not through:
-                add_lines(plotter, edges[0], lift, width=0.7)
-            add_lines(plotter, edges[1], lift, width=1 if through else 2.5)
+            _add_edges(plotter, edges, lift, through)
             _add_defects(plotter, surface, lines, 2 * lift)
             aim(plotter, view, extent)
             _add_numbers(plotter, boundary, look(shown, view, extent, _pixels(plotter)), lines)
@@ -184,6 +179,19 @@ def _seen(surface: Any, view: View, extent: Array) -> set[int]:
 def _only(surface: Any, faces: Sequence[int]) -> Any:
     cells = np.flatnonzero(np.isin(surface.cell_data["face"], faces))
     return surface.extract_cells(cells).extract_surface(algorithm="dataset_surface")
+
+
+def _add_edges(plotter: Any, edges: tuple[Any, Any], lift: Array, through: bool) -> None:
+    """Thin lines on the edges of patches, thick ones on those of faces; behind glass the latter."""
+    if not through:
+        add_lines(plotter, edges[0], lift, width=0.7)
+    add_lines(plotter, edges[1], lift, width=1 if through else 2.5)
+
+
+def _add_glass(plotter: Any, surface: Any) -> None:
+    """All faces as glass, for what is behind them."""
+    plotter.add_mesh(surface, color=WALL, opacity=0.15, lighting=False, culling="back")
+    add_text(plotter, "hidden from outside:", (0.03, 0.9), scaled(plotter, SMALL))
 
 
 def _pixels(plotter: Any) -> Size:
