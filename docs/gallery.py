@@ -40,7 +40,7 @@ def faces():
     further views, those seen from nowhere one through the walls; `cadbem view FILE -o PNG` does the
     same.
     """
-    channel = cb.read_cad("geometries/flow_focusing.step")
+    channel = cb.read_cad("geometries/t_junction.step")
     cb.draw_boundary(channel, "faces.png")
 
 
@@ -73,15 +73,16 @@ def flow():
     Speed and pressure on the middle plane, speed on cross-sections, streamlines. The flow is
     sampled where the picture needs it; there is no mesh to make.
     """
-    channel = cb.read_cad("geometries/y_junction.step").elevated(2).refined(4)
+    channel = cb.read_cad("geometries/t_junction.step").elevated(2).refined(4)
+    u = cb.Units.of(channel)
     ends = {
-        "inlet_a": cb.Inflow(mean_velocity=3.0),
-        "inlet_b": cb.Inflow(mean_velocity=3.0),
+        "inlet_a": cb.Inflow(flow_rate=u("30 uL/min")),
+        "inlet_b": cb.Inflow(flow_rate=u("10 uL/min")),
         "outlet": cb.Pressure(0.0),
         "walls": cb.NoSlip(),
     }
-    solution = cb.StokesProblem(channel, 1.0, ends).solve()
-    cb.draw_flow(solution, "flow.png")
+    solution = cb.StokesProblem(channel, u("1 mPa s"), ends).solve()
+    cb.draw_flow(solution, "flow.png", units=u)
 
 
 def plane_flow():

@@ -63,10 +63,8 @@ def main(
         rows_of_starts = [np.stack([np.full(paths, -3.0), across, 0 * across]),
                           np.stack([across, np.full(paths, -3.0), 0 * across])]  # fmt: skip
         shown = cb.trace(solution, np.concatenate(rows_of_starts, axis=1))
-        labels = [f"{'inlet_a' if i < paths else 'inlet_b'} {i % paths + 1}" for i in
-                  range(2 * paths)]  # fmt: skip
-        tracks = dict(zip(labels, shown.paths, strict=True))
-        cb.draw_trajectories(folder / "paths.png", channel, tracks)
+        look = {"values": shown.moments, "label": "time", "units": u}
+        cb.draw_paths(folder / "paths.png", channel, shown.paths, **look)
         curves = []
         for k, (name, group) in enumerate(found.items()):
             early = group.distribution[0] < 5 * exact
