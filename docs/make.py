@@ -24,7 +24,9 @@ HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "workflows"))
 
 import annulus_heat  # noqa: E402
+import chip_resistance  # noqa: E402
 import constriction_droplet  # noqa: E402
+import deformation_limit  # noqa: E402
 import droplet_between_plates  # noqa: E402
 import droplet_between_plates_2d  # noqa: E402
 import droplet_elongation  # noqa: E402
@@ -32,13 +34,17 @@ import droplet_extension  # noqa: E402
 import droplet_high_deformation_2d  # noqa: E402
 import droplet_shear  # noqa: E402
 import droplet_shear_2d  # noqa: E402
+import droplet_sorting  # noqa: E402
 import droplet_train  # noqa: E402
 import ellipse_relaxation  # noqa: E402
+import flow_split  # noqa: E402
 import hollow_sphere_heat  # noqa: E402
 import moving_sphere  # noqa: E402
 import serpentine_mixture  # noqa: E402
 import square_channel  # noqa: E402
+import tracer_paths  # noqa: E402
 import two_droplets_2d  # noqa: E402
+import wall_shear_peak  # noqa: E402
 import y_junction_bodies  # noqa: E402
 import y_junction_flow  # noqa: E402
 
@@ -60,6 +66,12 @@ PRINTED = {
     "Train of droplets": droplet_train,
     "Droplet in a constriction": constriction_droplet,
     "Mixture in the serpentine": serpentine_mixture,
+    "Resistances of a chip": chip_resistance,
+    "How a junction divides the flow": flow_split,
+    "Peak of the wall shear stress": wall_shear_peak,
+    "Tracers and residence times": tracer_paths,
+    "Where droplets end up": droplet_sorting,
+    "Limit of deformation": deformation_limit,
 }
 OPTIONS = {
     "droplet_shear": {"reference": 392},
@@ -183,6 +195,8 @@ def copy_pictures(name: str, made: Path) -> None:
     for picture in made.glob("*.png"):
         target = picture.name if name in picture.name else f"{name}_{picture.name}"
         shutil.copy(picture, folder / target)
+    for strip in made.glob("*/pictures/filmstrip.png"):  # of a part of the run
+        shutil.copy(strip, folder / f"{name}_{strip.parts[-3]}.png")
 
 
 def main() -> None:
