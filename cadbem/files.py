@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import errno
+import json
 import os
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
+from typing import Any
 
 from filelock import FileLock, Timeout
 
@@ -48,6 +50,21 @@ def write_at(path: Path, position: int, content: bytes) -> int:
         file.flush()
         os.fsync(file.fileno())
         return file.tell()
+
+
+def write_json(path: Path, values: Any) -> None:
+    """Replace a file by values as JSON, see ``write_whole``."""
+    text = json.dumps(values, indent=2, ensure_ascii=False) + "\n"
+    write_whole(path, text.encode("utf-8", "backslashreplace"))
+
+
+def read_json(path: Path) -> Any:
+    """The values in a file.  Raises ``ResultsError`` when it is missing or damaged."""
+    try:
+        return json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        why = "missing" if not path.exists() else "damaged"
+        raise ResultsError(f"{path} is {why}; begin anew in another folder") from error
 
 
 def make_folder(path: Path) -> Path:

@@ -9,10 +9,12 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
+from cadbem.command import CURRENT, Command
 from cadbem.errors import CadbemError
 from cadbem.progress import verbose
 
 USER_MISTAKE, INTERRUPTED = 2, 130
+KINDS = {"str": str, "int": int, "float": float, "bool": bool}
 # what a file system may answer without anything being wrong with a script
 REFUSALS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM}
 
@@ -20,20 +22,25 @@ REFUSALS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM}
 def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
     """Call ``main`` with its defaults, changed by options of the command line.
 
-    The type of a default is the type of its option, a truth value's option needs no value;
-    ``output`` also answers to -o.  The text at the top of main's module is the help text.  Mistakes
-    in the input end the process with one line and exit code 2, Ctrl-C with 130.
+    The type of a default is the type of its option; without one, or where it is None, the
+    annotation tells (text, a number or a truth value), and an option without a default must be
+    given.  ``output`` also answers to -o.  The text at the top of main's module is the help text.
+    Mistakes in the input end the process with one line and exit code 2, Ctrl-C with 130.
     """
     parser = _Parser(
         description=(inspect.getmodule(main).__doc__ or "").strip(),  # type: ignore[union-attr]
         formatter_class=argparse.RawDescriptionHelpFormatter,
     )
-    for name, parameter in inspect.signature(main).parameters.items():
-        _add_option(parser, name, parameter.default)
     values: dict[str, Any] = {}
     try:
+        for parameter in inspect.signature(main).parameters.values():
+            _add_option(parser, parameter)
         values = vars(parser.parse_args(arguments))
-        return main(**values)
+        token = CURRENT.set(Command(Path(inspect.getfile(main)).resolve(), values))
+        try:
+            return main(**values)
+        finally:
+            CURRENT.reset(token)
     except CadbemError as error:
         if verbose():
             raise
@@ -46,17 +53,35 @@ def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
         parser.exit(INTERRUPTED, f"cadbem: interrupted{_remedy(values)}\n")
 
 
-def _add_option(parser: argparse.ArgumentParser, name: str, default: Any) -> None:
-    short = ["-o"] if name == "output" else []
+def _add_option(parser: argparse.ArgumentParser, parameter: inspect.Parameter) -> None:
+    name, default, kind = parameter.name, parameter.default, _kind(parameter)
+    needed = default is inspect.Parameter.empty
+    text = "needed" if needed else f"default: {default}".replace("%", "%%")
     option = f"--{name.replace('_', '-')}"
-    if isinstance(default, bool):
-        text = "go on with the run in the folder" if name == "resume" else None
-        parser.add_argument(option, action="store_true", default=default, help=text)
+    more: dict[str, Any] = {"required": True} if needed else {"default": default}
+    if kind is bool:
+        if name == "resume":
+            text = "go on with the run in the folder"
+        parser.add_argument(option, action=argparse.BooleanOptionalAction, help=text, **more)
         return
-    text = f"default: {default}"
-    kind: Any = type(default)
-    parser.add_argument(
-        *short, option, type=kind, default=default, metavar=name.upper(), help=text
+    names = ["-o", option] if name == "output" else [option]
+    parser.add_argument(*names, type=kind, metavar=name.upper(), help=text, **more)
+
+
+def _kind(parameter: inspect.Parameter) -> Any:
+    """The type of an option's value."""
+    known = parameter.default
+    if isinstance(known, tuple(KINDS.values())):
+        return type(known)
+    annotation = parameter.annotation
+    words = annotation if isinstance(annotation, str) else getattr(annotation, "__name__", "")
+    words = words or str(annotation)  # such as float | None
+    found = [KINDS[word] for word in words.replace(" ", "").split("|") if word in KINDS]
+    if known in (None, inspect.Parameter.empty) and found:
+        return found[0]
+    raise CadbemError(
+        f"'{parameter.name}' of main cannot be an option of the command line: give it a default "
+        "that is a number, text, True or False, and make what you need of it inside"
     )
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
-    {"errors", "progress"},
+    {"errors", "progress", "command"},
     {"compiled", "files", "units"},
     {"spline", "quadrature", "kernels"},
     {"boundary", "extension", "points", "closed_points", "refinement"},

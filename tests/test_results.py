@@ -15,8 +15,10 @@ import pyvista
 import cadbem as cb
 from cadbem.errors import ResultsError
 from cadbem.results import open_run, run_folder
+from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import reading
 from cadbem.results.store import CHECKPOINT, frame_file
+from cadbem.spline.outlines import rectangle
 
 END, EVERY = 0.5, 0.05
 
@@ -243,3 +245,61 @@ def test_without_a_folder_nothing_is_kept(tmp_path, monkeypatch):
     assert len(list(folder.run(plane_droplet(), 0.1, 0.05))) == 3
     folder.summary({"D": 1.0})
     assert not list(tmp_path.iterdir())
+
+
+def test_each_simulation_has_a_part_of_its_own(tmp_path):
+    folder = run_folder(tmp_path / "run")
+    list(folder.run(plane_droplet(), 0.05, 0.05))
+    with pytest.raises(ResultsError, match="part of its own"):
+        folder.run(plane_droplet(), 0.05, 0.05)
+    list(folder.run(plane_droplet(0.2), 0.05, 0.05, part="other"))
+    assert len(open_run(tmp_path / "run" / "other").times) == 2
+    with pytest.raises(ResultsError, match="a folder within"):
+        folder.run(plane_droplet(), 0.05, 0.05, part="../elsewhere")
+
+
+def test_functions_are_told_apart():
+    """By what they do and close over; objects by what they hold."""
+
+    def flow(rate):
+        return lambda p: rate * p[1]
+
+    assert described(flow(1.0)) == described(flow(1.0))
+    difference = first_difference(described(flow(1.0), "f"), described(flow(-0.3), "f"))
+    assert difference == "f.closure['rate']: 1.0 then, -0.3 now"
+    assert described(lambda x: x + 1) != described(lambda x: x + 2)
+
+    class Mine:
+        def __init__(self, rate):
+            self.rate = rate
+
+    assert described(Mine(2.0)) == described(Mine(2.0)) != described(Mine(3.0))
+
+
+def test_an_end_before_what_is_reached_is_refused(tmp_path):
+    gone_through(tmp_path / "run", plane_droplet(), end=0.3)
+    with pytest.raises(ResultsError, match="has come to t = 0.3 already"):
+        gone_through(tmp_path / "run", plane_droplet(), resume=True, end=0.1)
+
+
+def test_tables_are_read_as_far_as_they_count(tmp_path):
+    """A row half written at the end belongs to the step that was lost."""
+    gone_through(tmp_path / "run", plane_droplet(), end=0.1)
+    with (tmp_path / "run" / "bodies.csv").open("a") as table:
+        table.write("0.15,1,drop")
+    assert open_run(tmp_path / "run").body_table["time"].tolist() == [0.0, 0.05, 0.1]
+
+
+def test_any_name_of_an_opening(tmp_path):
+    """Commas, signs and letters of any alphabet."""
+    names = {"in, left": cb.Inflow(mean_velocity=1.0), "Ausfluß #1": cb.Pressure(0.0)}
+    sides = rectangle((0, 0), (4, 2))  # left, right, below, above
+    called = ("in, left", "Ausfluß #1", "w", "w")
+    patches = tuple(cb.Patch(side, name) for side, name in zip(sides, called, strict=True))
+    channel = cb.Boundary(patches).elevated(2).refined(3)
+    flow = cb.ChannelFlow(cb.StokesProblem(channel, 1.0, {**names, "w": cb.NoSlip()}))
+    droplet = cb.Droplet(cb.spline_circle(0.4, (1, 1), points=16), cb.SurfaceTension(5.0))
+    gone_through(tmp_path / "run", cb.Simulation(flow, droplet), end=0.05)
+    table = open_run(tmp_path / "run").run_table
+    assert table["flow_rate in, left"] == pytest.approx(2.0, rel=1e-3)
+    assert table["pressure Ausfluß #1"] == pytest.approx(0.0, abs=1e-9)

@@ -1,6 +1,11 @@
 """Sweeps: values, runs in processes of their own, the table, going on, a cluster."""
 
 import csv
+import json
+import subprocess
+import sys
+import time
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -59,14 +64,22 @@ def test_values():
 
 
 def test_which_options_are_swept():
-    arguments = ["--capillary", "0.1:0.2:2", "--parts", "shape", "--points=100,200", "--end=5"]
+    arguments = ["--capillary", "0.1:0.2:2", "--parts", "shape", "--flag"]
+    arguments += ["--points=100,200", "--end=5"]
     swept, others = parsed(arguments)
     assert swept == {"capillary": ["0.1", "0.2"], "points": ["100", "200"]}
-    assert others == ["--parts", "shape", "--end=5"]
+    assert others == ["--parts=shape", "--flag", "--end=5"]
     pairs = [tuple(point.values()) for point in points_of(swept)]
     assert pairs == [("0.1", "100"), ("0.1", "200"), ("0.2", "100"), ("0.2", "200")]
-    with pytest.raises(cb.CadbemError, match="nothing to sweep"):
-        parsed(["--end", "5"])
+    for mistake, words in {
+        "nothing to sweep": ["--end", "5"],
+        "'1:2:2' belongs to no option": ["1:2:2"],
+        "swept twice": ["--x", "1,2", "--x", "3,4"],
+        "count is 0": ["--x", "1:2:0"],
+        "'1,2,a' is not understood": ["--x=1,2,a"],
+    }.items():
+        with pytest.raises(cb.CadbemError, match=mistake):
+            parsed(words)
 
 
 def test_sweep_fails_in_part_and_goes_on(script, tmp_path, capsys):
@@ -115,7 +128,69 @@ def test_a_run_that_can_is_gone_on_with(script, tmp_path):
     )
     folder = tmp_path / "out"
     assert begin_sweep(script, ["--side", "1,2"], folder) == 0
-    (folder / "run_2" / "summary.json").unlink()
+    (folder / "run_2.done").unlink()
     assert resume_sweep(folder) == 0
     assert "resumed" in (folder / "run_2" / "log.txt").read_text()
     np.testing.assert_allclose([float(row["area"]) for row in table(folder)], [1, 4])
+
+
+def test_interrupted_sweep_ends_its_runs_and_goes_on(tmp_path):
+    """The sweep's process alone is killed: its runs end with it, and none is done twice at a
+    time; gone on with, all are done."""
+    script = tmp_path / "slow.py"
+    script.write_text(
+        SCRIPT.format(more="seconds: float = 0.0", resumed="").replace(
+            "    folder.summary", "    import time\n\n    time.sleep(seconds)\n    folder.summary"
+        )
+    )
+    folder = tmp_path / "out"
+    command = [sys.executable, "-m", "cadbem", "sweep", script, "--side", "1,2", "-o", folder]
+    parent = subprocess.Popen([*command, "--seconds", "600"], stderr=subprocess.DEVNULL)
+    runs = [folder / "run_1", folder / "run_2"]
+    wait_for(lambda: all((run / "run.json").exists() for run in runs))
+    parent.kill()
+    parent.wait()
+    asked = json.loads((folder / "sweep.json").read_text())
+    (folder / "sweep.json").write_text(json.dumps(asked | {"others": []}))
+    wait_for(lambda: not running("slow.py"))
+    assert main(["resume", str(folder)]) == 0
+    assert [row["state"] for row in table(folder)] == ["done", "done"]
+
+
+def wait_for(condition, seconds: float = 60.0) -> None:
+    deadline = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+def running(word: str) -> bool:
+    """Whether a process was started with a word among its arguments."""
+    commands = Path("/proc").glob("[0-9]*/cmdline")
+    for command in commands:
+        with suppress(OSError):
+            if any(part.endswith(word.encode()) for part in command.read_bytes().split(b"\0")):
+                return True
+    return False
+
+
+def test_what_a_sweep_cannot_use(script, tmp_path):
+    """Scripts that leave no numbers, or fail after they did; columns do not hide each other."""
+    quiet = tmp_path / "quiet.py"
+    quiet.write_text(
+        "import cadbem as cb\ndef main(output: str = '', x: float = 0): pass\ncb.run(main)"
+    )
+    assert begin_sweep(quiet, ["--x", "1,2"], tmp_path / "a") == 1
+    late = tmp_path / "late.py"
+    late.write_text(
+        "import cadbem as cb\n"
+        "def main(output: str = '', x: float = 0):\n"
+        "    cb.run_folder(output).summary({'x': 2 * x})\n"
+        "    if x == 2: raise ValueError\n"
+        "cb.run(main)"
+    )
+    assert begin_sweep(late, ["--x", "1,2"], tmp_path / "b") == 1
+    rows = table(tmp_path / "b")
+    assert [(row["x"], row["x found"], row["state"]) for row in rows] == [
+        ("1", "2.0", "done"), ("2", "", "not done")
+    ]  # fmt: skip

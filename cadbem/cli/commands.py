@@ -34,7 +34,12 @@ exit codes: 0 done, 1 a check or an error in a script, 2 a mistake in the input,
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; the answer is the exit code: 2 after a mistake of the user, 130 after an
     interruption, else what the command says."""
-    options = _parser().parse_args(arguments)
+    parser = _parser()
+    options, rest = parser.parse_known_args(arguments)
+    if getattr(options, "keeps_rest", False):
+        options.arguments = rest
+    elif rest:
+        parser.error(f"unrecognized arguments: {' '.join(rest)}")
     token = QUIET.set(options.quiet)
     try:
         with _warnings_in_one_line(options), _stages(options.verbose):

@@ -34,6 +34,7 @@ def add_command(
         help=summary,
         description=f"{summary[0].upper()}{summary[1:]}.\n\n{more}",
         formatter_class=argparse.RawDescriptionHelpFormatter,
+        allow_abbrev=False,
     )
     loud = parser.add_mutually_exclusive_group()
     loud.add_argument(
@@ -44,6 +45,12 @@ def add_command(
     )
     parser.set_defaults(command=act)
     return parser
+
+
+def leave_rest(parser: Parser) -> None:
+    """Whatever the command does not know itself is kept for its script, in ``arguments``."""
+    parser.set_defaults(keeps_rest=True)
+    parser.epilog = "all other options are those of the script"
 
 
 def positive(text: str) -> float:

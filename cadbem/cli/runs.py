@@ -7,9 +7,19 @@ import os
 import runpy
 import sys
 from pathlib import Path
+from threading import Thread
 from typing import Any
 
-from cadbem.cli.parser import Commands, Options, Parser, UsageError, add_command, counting
+from cadbem.cli.parser import (
+    INTERRUPTED,
+    Commands,
+    Options,
+    Parser,
+    UsageError,
+    add_command,
+    counting,
+    leave_rest,
+)
 
 
 def add_run(commands: Commands) -> None:
@@ -26,7 +36,10 @@ def add_run(commands: Commands) -> None:
     )
     _add_cores(parser)
     parser.add_argument("script", metavar="SCRIPT", help="a Python file")
-    _add_rest(parser, "arguments of the script")
+    parser.add_argument("--tied", action="store_true", help=argparse.SUPPRESS)
+    parser.add_argument(
+        "arguments", metavar="...", nargs=argparse.REMAINDER, help="arguments of the script"
+    )
 
 
 def add_resume(commands: Commands) -> None:
@@ -43,7 +56,8 @@ def add_resume(commands: Commands) -> None:
     )
     _add_cores(parser)
     parser.add_argument("folder", metavar="FOLDER", help="where the results are")
-    _add_rest(parser, "arguments of the script that are to change")
+    _add_engine(parser)
+    leave_rest(parser)
 
 
 def add_render(commands: Commands) -> None:
@@ -80,16 +94,9 @@ def add_sweep(commands: Commands) -> None:
         "example: cadbem sweep workflows/droplet_shear.py --capillary 0.05:0.4:8 --parts shape",
     )
     parser.add_argument("-o", "--output", metavar="FOLDER", help="default: results/NAME_sweep")
-    parser.add_argument(
-        "-j", "--jobs", type=counting, metavar="N", help="runs at a time (default: one a core)"
-    )
-    parser.add_argument(
-        "--cluster",
-        metavar="ADDRESS",
-        help="of a dask scheduler, such as tcp://host:8786, whose workers see the same files",
-    )
+    _add_engine(parser)
     parser.add_argument("script", metavar="SCRIPT", help="a Python file that ends in cb.run(main)")
-    _add_rest(parser, "options of the script, of which some have several values")
+    leave_rest(parser)
 
 
 def _add_cores(parser: Parser) -> None:
@@ -98,8 +105,20 @@ def _add_cores(parser: Parser) -> None:
     )
 
 
-def _add_rest(parser: Parser, what: str) -> None:
-    parser.add_argument("arguments", metavar="...", nargs=argparse.REMAINDER, help=what)
+def _add_engine(parser: Parser) -> None:
+    """Where the runs of a sweep take place."""
+    parser.add_argument(
+        "-j",
+        "--jobs",
+        type=counting,
+        metavar="N",
+        help="runs of a sweep at a time (default: one a core)",
+    )
+    parser.add_argument(
+        "--cluster",
+        metavar="ADDRESS",
+        help="of a dask scheduler, such as tcp://host:8786, whose workers see the same files",
+    )
 
 
 def _run(options: Options) -> None:
@@ -108,9 +127,18 @@ def _run(options: Options) -> None:
         raise UsageError(f"{script}: there is no such script")
     if options.cores:
         _limit(options.cores)
+    if options.tied:
+        Thread(target=_end_with_parent, daemon=True).start()
     sys.argv = [str(script), *options.arguments]
     sys.path.insert(0, str(script.resolve().parent))
     runpy.run_path(str(script), run_name="__main__")
+
+
+def _end_with_parent() -> None:
+    """End when the process that began this one, a sweep, has ended and its pipe is closed."""
+    while os.read(0, 1):
+        pass
+    os._exit(INTERRUPTED)
 
 
 def _limit(cores: int) -> None:
@@ -123,33 +151,49 @@ def _limit(cores: int) -> None:
 
 
 def _resume(options: Options) -> Any:
-    folder = Path(options.folder)
+    folder = Path(options.folder).resolve()
     if (folder / "sweep.json").exists():
-        from cadbem.sweep import resume_sweep
-
-        return resume_sweep(folder)
+        return _resume_sweep(folder, options)
     from cadbem.results.folder import read_asked
 
     asked = read_asked(folder)
-    if not asked["script"]:
-        raise UsageError(f"{folder} was not made by a script; it cannot be gone on with from here")
+    script = Path(asked["script"]["file"]) if asked["script"] else None
+    if script is None or not script.is_file():
+        raise UsageError(
+            f"{folder}: its script, {script or 'unknown'}, is not there any more; run its copy "
+            f"with the same arguments: cadbem run {folder / 'script.py'} -o {folder} --resume ..."
+        )
     if "resume" not in asked["arguments"]:
         raise UsageError(
-            f"{asked['script']['file']} cannot go on with a run: its main takes no 'resume'; run "
-            "it again"
+            f"{script} cannot go on with a run: its main takes no 'resume'; run it again"
         )
+    if Path(asked["working_folder"]).is_dir():
+        os.chdir(asked["working_folder"])  # where relative paths among the arguments begin
     given = asked["arguments"] | {"output": str(folder)}
     words = [word for name, value in given.items() for word in _option(name, value)]
-    options.script = asked["script"]["file"]
+    options.script, options.tied = str(script), False
     options.arguments = [*words, *options.arguments, "--resume"]
     return _run(options)
+
+
+def _resume_sweep(folder: Path, options: Options) -> int:
+    if options.arguments:
+        raise UsageError(
+            f"{folder} is a sweep, which goes on with the options it was begun with; leave away "
+            f"{' '.join(options.arguments)}"
+        )
+    from cadbem.sweep import resume_sweep
+
+    return resume_sweep(folder, options.jobs, options.cluster)
 
 
 def _option(name: str, value: Any) -> list[str]:
     """An argument of a workflow's main as words of a command line."""
     option = f"--{name.replace('_', '-')}"
+    if name == "resume":
+        return []
     if isinstance(value, bool):
-        return [option] if value and name != "resume" else []
+        return [option if value else f"--no{option[1:]}"]
     return [f"{option}={value}"]
 
 

@@ -63,7 +63,8 @@ def add_numbers(mesh: Any, boundary: Boundary, patch_of_cell: NDArray[np.int64])
     mesh.cell_data["patch"] = patch_of_cell
     mesh.cell_data["face"] = faces[patch_of_cell]
     mesh.cell_data["name"] = names[patch_of_cell]
-    mesh.field_data["names"] = list(boundary.names)
+    # VTK's files know no other letters
+    mesh.field_data["names"] = [n.encode("ascii", "replace").decode() for n in boundary.names]
 
 
 def wall_stresses(traction: Array, normal: Array) -> tuple[Array, Array]:

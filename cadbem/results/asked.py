@@ -13,20 +13,24 @@ from pathlib import Path
 from types import FrameType
 from typing import Any
 
+from cadbem.command import CURRENT, Command
 from cadbem.errors import ResultsError
 
 LIBRARIES = ("cadbem", "gmsh", "numpy", "scipy", "numba", "pyvista", "h5py")
 
 
 def asked_by(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
-    """Of the function that calls: its file with the digest, its arguments that are numbers, words
-    or truth values; versions, machine, time; the ``inputs`` with their digests."""
-    script = Path(inspect.getframeinfo(caller).filename).resolve()
-    values = inspect.getargvalues(caller)
-    arguments = {name: values.locals[name] for name in values.args}
-    plain = {k: v for k, v in arguments.items() if isinstance(v, str | int | float | bool)}
+    """The command that is carried out, else the function that calls: its file with the digest, its
+    arguments that are numbers, words or truth values; versions, machine, time; the ``inputs`` with
+    their digests."""
+    command = CURRENT.get() or _call(caller)
+    plain = {
+        name: value
+        for name, value in command.arguments.items()
+        if isinstance(value, str | int | float | bool)
+    }
     return {
-        "script": digested(script) if script.is_file() else None,
+        "script": digested(command.script) if command.script.is_file() else None,
         "arguments": plain,
         "inputs": [digested(Path(file)) for file in inputs],
         "began": datetime.now().astimezone().isoformat(timespec="seconds"),
@@ -34,6 +38,13 @@ def asked_by(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
         "versions": {"python": platform.python_version()} | _versions(),
         "machine": f"{platform.platform()}, {os.cpu_count()} cores",
     }
+
+
+def _call(caller: FrameType) -> Command:
+    """A function that was called without a command line, as a command."""
+    values = inspect.getargvalues(caller)
+    arguments = {name: values.locals[name] for name in values.args}
+    return Command(Path(inspect.getframeinfo(caller).filename).resolve(), arguments)
 
 
 def digested(file: Path) -> dict[str, Any]:

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 import inspect
-import json
 import os
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from cadbem.errors import ResultsError
-from cadbem.files import make_folder, told, write_whole
+from cadbem.files import make_folder, read_json, told, write_json, write_whole
 from cadbem.progress import STAGES, notice
 from cadbem.results.asked import asked_by
 from cadbem.suspension.simulation import Simulation
@@ -28,6 +27,7 @@ class RunFolder:
 
     path: Path | None
     resumed: bool = False
+    used: set[str] = field(default_factory=set, repr=False, compare=False)
 
     def __bool__(self) -> bool:
         return self.path is not None
@@ -57,21 +57,33 @@ class RunFolder:
             return simulation.run(end, every)
         from cadbem.results.store import Store
 
-        place = self.path / part
+        place = self.path / self._own(part)
         label = f"{part}: " if part else ""
         return Store(place, simulation, lambda text: self.note(label + text)).run(end, every)
+
+    def _own(self, part: str) -> str:
+        """A part's name, once."""
+        if Path(part).is_absolute() or ".." in Path(part).parts:
+            raise ResultsError(f"part='{part}': give the name of a folder within {self}")
+        if part in self.used:
+            what = f"part '{part}' of {self}" if part else str(self)
+            raise ResultsError(
+                f"{what} holds a simulation of this script already; give each one a part of its "
+                "own, such as folder.run(..., part='fine')"
+            )
+        self.used.add(part)
+        return part
 
     def summary(self, values: Mapping[str, float | str]) -> None:
         """Keep what the run found, by names with units, in summary.json: a sweep tabulates it."""
         if self.path is not None:
-            plain = {k: v if isinstance(v, str) else float(v) for k, v in values.items()}
-            write_whole(self.path / SUMMARY, _json(plain))
+            write_json(self.path / SUMMARY, {k: _plain(k, v) for k, v in values.items()})
 
     def note(self, text: str) -> None:
         """Add a line to log.txt, with the time of day."""
         STAGES.info("%s: %s", self, text)
         path = self / LOG
-        with told(path), path.open("a") as log:
+        with told(path), path.open("a", encoding="utf-8") as log:
             log.write(f"{datetime.now():%Y-%m-%d %H:%M:%S}  {text}\n")
 
 
@@ -99,7 +111,7 @@ def run_folder(
         how = f"go on with 'cadbem resume {path}', or " if (path / ASKED).exists() else ""
         raise ResultsError(f"{path} exists already; {how}choose another folder with -o")
     folder = RunFolder(make_folder(path))
-    write_whole(path / ASKED, _json(asked))
+    write_json(path / ASKED, asked)
     script = asked["script"]
     if script:
         write_whole(path / "script.py", Path(script["file"]).read_bytes())
@@ -118,13 +130,12 @@ def _taken(path: Path) -> bool:
 
 def read_asked(path: Path) -> dict[str, Any]:
     """What was asked of the run in a folder.  Raises ``ResultsError`` when it holds none."""
-    try:
-        return json.loads((path / ASKED).read_text())
-    except (OSError, ValueError) as error:
-        raise ResultsError(f"{path} holds no run: there is no {ASKED} to read") from error
+    if not (path / ASKED).exists():
+        raise ResultsError(f"{path} holds no run: there is no {ASKED} in it")
+    return read_json(path / ASKED)
 
 
-def _resumed(path: Path, asked: Mapping[str, Any]) -> RunFolder:
+def _resumed(path: Path, asked: dict[str, Any]) -> RunFolder:
     before = read_asked(path)
     for old, new in zip(before["inputs"], asked["inputs"], strict=False):
         if old["sha256"] != new["sha256"]:
@@ -137,6 +148,8 @@ def _resumed(path: Path, asked: Mapping[str, Any]) -> RunFolder:
     for what in _changes(before, asked):
         folder.note(what)
         notice(f"{path}: {what}")
+    pauses = [*before.get("pauses", ()), {"went_on": asked["began"]}]
+    write_json(path / ASKED, asked | {"began": before["began"], "pauses": pauses})
     return folder
 
 
@@ -152,5 +165,10 @@ def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]
                 yield f"{name} is {value}, was {was}"
 
 
-def _json(values: Mapping[str, Any]) -> bytes:
-    return (json.dumps(values, indent=2, ensure_ascii=False) + "\n").encode()
+def _plain(name: str, value: Any) -> float | str:
+    if isinstance(value, str):
+        return value
+    try:
+        return float(value)
+    except (TypeError, ValueError) as error:
+        raise ResultsError(f"summary: '{name}' is {value!r}; give a number or text") from error

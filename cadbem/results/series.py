@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -91,10 +93,14 @@ def columns(state: State) -> tuple[list[str], list[str]]:
     return list(run_row(state, 0.0)), list(names)
 
 
-def line(row: Row, names: list[str]) -> str:
-    """A line of a table; what a row lacks stays empty, numbers keep all digits."""
-    cells = [row.get(name, "") for name in names]
-    return ",".join(str(c) if isinstance(c, str | int) else repr(float(c)) for c in cells) + "\n"
+def lines(rows: list[Row], names: list[str], headed: bool) -> str:
+    """Lines of a table, below its head; what a row lacks stays empty, numbers keep all digits."""
+    text = StringIO()
+    table = csv.DictWriter(text, names, restval="", lineterminator="\n")
+    if headed:
+        table.writeheader()
+    table.writerows(rows)
+    return text.getvalue()
 
 
 def frame_of(state: State) -> Frame:

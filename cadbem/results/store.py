@@ -16,7 +16,7 @@ from pathlib import Path
 import h5py
 
 from cadbem.errors import ResultsError
-from cadbem.files import locked, make_folder, write_at, write_whole
+from cadbem.files import locked, make_folder, read_json, write_at, write_json
 from cadbem.post.series import write_channel, write_frame, write_index
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
@@ -31,7 +31,7 @@ from cadbem.results.encode import (
     write_rest,
     write_state,
 )
-from cadbem.results.series import body_rows, columns, frame_of, line, run_row
+from cadbem.results.series import body_rows, columns, frame_of, lines, run_row
 from cadbem.suspension.channel_flow import ChannelFlow
 from cadbem.suspension.moment import Moment
 from cadbem.suspension.simulation import Simulation
@@ -63,16 +63,24 @@ class Store:
         with locked(self.folder):
             kept = self._begun(every)
             if kept is None:
-                since, progress = None, _Progress()
+                since, progress = None, Progress()
             else:
                 since, progress = kept
+                self._check_end(since.state, end)
                 self.note(f"goes on from t = {since.state.time:.6g}, {len(progress.times)} frames")
             for index in range(len(progress.times)):
                 yield self._frame(index)
             yield from self._rest(end, every, since, progress)
 
+    def _check_end(self, state: State, end: float) -> None:
+        if not state.stopped and end < state.time * (1 - 1e-12):
+            raise ResultsError(
+                f"{self.folder} has come to t = {state.time:.6g} already, beyond the end that is "
+                f"asked for, {end:g}; ask for a later one"
+            )
+
     def _rest(
-        self, end: float, every: float | None, since: Moment | None, progress: _Progress
+        self, end: float, every: float | None, since: Moment | None, progress: Progress
     ) -> Iterator[State]:
         """What is still to be done."""
         reached = since.state.time if since else 0.0
@@ -93,7 +101,7 @@ class Store:
             raise
         self.note(f"done at t = {reached:.6g}, {len(progress.times)} frames")
 
-    def _begun(self, every: float | None) -> tuple[Moment, _Progress] | None:
+    def _begun(self, every: float | None) -> tuple[Moment, Progress] | None:
         """Where an earlier run of the same simulation ended; begins one if there was none.
 
         Raises ``ResultsError`` when it was another simulation.
@@ -101,7 +109,7 @@ class Store:
         asked = described(self.simulation) | {"every": repr(every)}
         file, checkpoint = self.folder / ASKED, self.folder / CHECKPOINT
         if file.exists():
-            differs = first_difference(json.loads(file.read_text()), asked)
+            differs = first_difference(read_json(file), asked)
             if differs:
                 raise ResultsError(
                     f"{self.folder} holds the run of something else ({differs}); go on with what "
@@ -109,7 +117,7 @@ class Store:
                 )
         if checkpoint.exists():
             with reading(checkpoint) as place:
-                return read_moment(place, self.simulation), _Progress.read(place)
+                return read_moment(place, self.simulation), Progress.read(place)
         self._begin(asked)
         return None
 
@@ -123,13 +131,13 @@ class Store:
                 write_rest(place.create_group(f"body_{number}"), Rest.of(body))
         if isinstance(flow, ChannelFlow):
             write_channel(self.folder / PARAVIEW, flow.problem.boundary)
-        write_whole(self.folder / ASKED, (json.dumps(asked, indent=1) + "\n").encode())
+        write_json(self.folder / ASKED, asked)
 
     def _frame(self, index: int) -> State:
         with reading(frame_file(self.folder, index)) as place:
             return read_state(place, self.simulation)
 
-    def _keep(self, state: State, progress: _Progress) -> _Progress:
+    def _keep(self, state: State, progress: Progress) -> Progress:
         """Write a frame and its rows."""
         index, times = len(progress.times), (*progress.times, state.time)
         work = replace(state)  # what is worked out for the tables is not kept in memory
@@ -143,19 +151,18 @@ class Store:
         rows = [run_row(work, progress.seconds)], body_rows(work)
         sizes = []
         for name, head, size, part in zip(TABLES, heads, progress.sizes, rows, strict=True):
-            text = "" if size else ",".join(head) + "\n"
-            text += "".join(line(row, head) for row in part)
+            text = lines(part, head, headed=not size)
             sizes.append(write_at(self.folder / name, size, text.encode()))
         return replace(progress, times=times, columns=heads, sizes=tuple(sizes))
 
-    def _checkpoint(self, moment: Moment, progress: _Progress) -> None:
+    def _checkpoint(self, moment: Moment, progress: Progress) -> None:
         with Writing(self.folder / CHECKPOINT) as place:
             write_moment(place, moment)
             progress.write(place)
 
 
 @dataclass(frozen=True)
-class _Progress:
+class Progress:
     """What counts of the files: the frames' ``times``, the ``columns`` of both tables and their
     ``sizes`` in bytes; CPU ``seconds`` spent."""
 
@@ -171,7 +178,7 @@ class _Progress:
         )
 
     @classmethod
-    def read(cls, place: h5py.Group) -> _Progress:
+    def read(cls, place: h5py.Group) -> Progress:
         sizes = tuple(int(size) for size in place.attrs["sizes"])
         names = json.loads(place.attrs["columns"])
         times = tuple(float(t) for t in place["times"][:])

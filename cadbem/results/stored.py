@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -11,18 +12,21 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ResultsError
+from cadbem.files import told
 from cadbem.post.frames import Frame
 from cadbem.results.encode import Rest, read_boundary, read_fields, read_rest, reading
-from cadbem.results.store import CHECKPOINT, SETUP, TABLES, frame_file
+from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
 from cadbem.spline.basis import Array
 
 
 @dataclass(frozen=True, eq=False)
 class StoredRun:
-    """A simulation's run in a ``folder``; the frames' ``times`` (N,) as far as it has come."""
+    """A simulation's run in a ``folder``; the frames' ``times`` (N,) as far as it had come when it
+    was opened, and the ``sizes`` of its tables in bytes then."""
 
     folder: Path
     times: Array
+    sizes: tuple[int, ...]
 
     @cached_property
     def channel(self) -> Boundary | None:
@@ -53,12 +57,12 @@ class StoredRun:
     @property
     def run_table(self) -> dict[str, Array]:
         """The columns (N,) of run.csv."""
-        return _columns(self.folder / TABLES[0])
+        return _columns(self.folder / TABLES[0], self.sizes[0])
 
     @property
     def body_table(self) -> dict[str, Array]:
         """The columns of bodies.csv: a row for each frame and body; not a number where empty."""
-        return _columns(self.folder / TABLES[1])
+        return _columns(self.folder / TABLES[1], self.sizes[1])
 
 
 def open_run(path: str | Path) -> StoredRun:
@@ -72,11 +76,22 @@ def open_run(path: str | Path) -> StoredRun:
         hint = f"; its parts have: {', '.join(parts)}" if parts else ""
         raise ResultsError(f"{folder} holds no frames of a simulation{hint}")
     with reading(folder / CHECKPOINT) as place:
-        return StoredRun(folder, place["times"][:])
+        progress = Progress.read(place)
+    return StoredRun(folder, np.array(progress.times), progress.sizes)
 
 
-def _columns(file: Path) -> dict[str, Any]:
-    table = np.genfromtxt(file, delimiter=",", names=True, dtype=None, encoding="utf-8",
-                          deletechars="", replace_space=" ")  # fmt: skip
-    assert table.dtype.names is not None
-    return {name: np.atleast_1d(table[name]) for name in table.dtype.names}
+def _columns(file: Path, size: int) -> dict[str, Any]:
+    """Columns by name: of numbers, not a number where empty, or of words."""
+    with told(file):
+        content = file.read_bytes()[:size]
+    rows = list(csv.reader(content.decode().splitlines()))
+    if len(content) < size or len({len(row) for row in rows}) > 1:
+        raise ResultsError(f"{file} is damaged; the numbers are in the frames, too")
+    return {name: _column(cells) for name, *cells in zip(*rows, strict=True)}
+
+
+def _column(cells: list[str]) -> Any:
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array(cells)

@@ -87,7 +87,7 @@ class Simulation:
         From that, as ``since``, another call goes on as if there had been no pause.
         """
         check("end and every", (end, every), "time")
-        if not end > 0 or every is not None and not every > 0:
+        if not 0 < end < np.inf or every is not None and not every > 0:
             raise ShapeError(f"run(end={end}, every={every}): times must be positive")
         if since is None:
             check_start(self.flow, self.start.placed, self.start.numbers)

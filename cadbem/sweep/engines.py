@@ -3,23 +3,25 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor, as_completed
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from threading import Event
 from typing import Any
 
 from cadbem.errors import CadbemError
 from cadbem.sweep.point import Point, as_task, run_point
 
-Outcome = tuple[Point, bool]
+Outcome = tuple[Point, str]
 
 
 def on_this_machine(points: Sequence[Point], jobs: int) -> Iterator[Outcome]:
-    """Each point and whether it ended well, as they end, so many at a time."""
-    pool: Executor = ThreadPoolExecutor(jobs)  # of threads that wait for processes
+    """Each point and what went wrong with it, or nothing, as they end, so many at a time."""
+    pool, stop = ThreadPoolExecutor(jobs), Event()  # threads that wait for processes
     try:
-        tasks = {pool.submit(run_point, as_task(point)): point for point in points}
+        tasks = {pool.submit(run_point, as_task(point), stop): point for point in points}
         for task in as_completed(tasks):
             yield tasks[task], task.result()
     finally:
+        stop.set()
         pool.shutdown(wait=True, cancel_futures=True)
 
 

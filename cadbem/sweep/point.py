@@ -2,34 +2,33 @@
 
 from __future__ import annotations
 
-import json
 import os
 import shutil
 import subprocess
 import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from threading import Event
 from typing import Any
 
+from cadbem.files import read_json, write_json
+
 LIBRARIES = ("OPENBLAS", "OMP", "MKL", "NUMBA")
+PATIENCE = 0.2  # seconds between looks at a process
 
 
 @dataclass(frozen=True)
 class Point:
     """Values of the swept options, and what they are given to: the ``folder`` of the results, the
-    ``script``, its ``others`` arguments, and the ``cores`` to use."""
+    ``script``, its ``others`` arguments, the folder that these refer to, ``start``, and the
+    ``cores`` to use."""
 
     folder: str
     script: str
     values: dict[str, str]
     others: tuple[str, ...]
+    start: str
     cores: int = 1
-
-    @property
-    def summary(self) -> dict[str, Any] | None:
-        """What the run found, None as long as it has not ended."""
-        file = Path(self.folder, "summary.json")
-        return json.loads(file.read_text()) if file.exists() else None
 
     @property
     def log(self) -> Path:
@@ -37,29 +36,57 @@ class Point:
         return Path(f"{self.folder}.log")
 
     @property
-    def failure(self) -> str:
-        """The last line that a run without results printed."""
-        lines = self.log.read_text().split("\n") if self.log.exists() else []
-        return next((line for line in reversed(lines) if line.strip()), "printed nothing")
+    def mark(self) -> Path:
+        """A file that is there once the run has ended well."""
+        return Path(f"{self.folder}.done")
+
+    @property
+    def summary(self) -> dict[str, Any] | None:
+        """What the run found, None as long as it has not ended well."""
+        return read_json(Path(self.folder, "summary.json")) if self.mark.exists() else None
+
+    @property
+    def command(self) -> list[str]:
+        """How it is run."""
+        words = [sys.executable, "-m", "cadbem", "run", "--quiet", "--tied"]
+        words += ["--cores", str(self.cores), self.script, *self.others]
+        words += [f"--{name}={value}" for name, value in self.values.items()]
+        return [*words, f"--output={self.folder}"]
 
 
-def run_point(values: dict[str, Any]) -> bool:
+def run_point(values: dict[str, Any], stop: Event | None = None) -> str:
     """Run a point, given as by ``asdict``; goes on with it where it was interrupted, if the script
-    can.  True if it ended well."""
+    can.  Returns what went wrong, or nothing; ``stop`` ends it early."""
     point = Point(**values)
-    if point.summary is not None:
-        return True
-    command = [sys.executable, "-m", "cadbem", "run", "--quiet", "--cores", str(point.cores)]
-    command += [point.script, *point.others]
-    command += [f"--{name}={value}" for name, value in point.values.items()]
-    command += [f"--output={point.folder}", *_resumed(Path(point.folder))]
+    if point.mark.exists():
+        return ""
     threads = {f"{name}_NUM_THREADS": str(point.cores) for name in LIBRARIES}
-    with point.log.open("a") as log:
-        ended = subprocess.run(
-            command, stdout=log, stderr=subprocess.STDOUT, stdin=subprocess.DEVNULL,
-            env=os.environ | threads, check=False,
-        )  # fmt: skip
-    return ended.returncode == 0 and point.summary is not None
+    with (
+        point.log.open("a") as log,
+        subprocess.Popen(
+            [*point.command, *_resumed(Path(point.folder))], stdout=log, stderr=subprocess.STDOUT,
+            stdin=subprocess.PIPE, env=os.environ | threads, cwd=point.start,
+        ) as process,
+    ):  # fmt: skip
+        while process.poll() is None:
+            if stop is not None and stop.wait(PATIENCE):
+                process.terminate()
+            elif stop is None:
+                process.wait()
+    return _ended(point, process.returncode)
+
+
+def _ended(point: Point, code: int) -> str:
+    """What went wrong; marks a run that ended well."""
+    if code < 0:
+        return f"was killed by signal {-code}"
+    if code:
+        lines = [line for line in point.log.read_text().split("\n") if line.strip()]
+        return lines[-1] if lines else f"ended with exit code {code}"
+    if not Path(point.folder, "summary.json").exists():
+        return "left no numbers: main must keep some with folder.summary({...})"
+    write_json(point.mark, {"exit": code})
+    return ""
 
 
 def as_task(point: Point) -> dict[str, Any]:
@@ -70,7 +97,7 @@ def as_task(point: Point) -> dict[str, Any]:
 def _resumed(folder: Path) -> list[str]:
     """The option to go on; a run that cannot is begun anew."""
     asked = folder / "run.json"
-    if asked.exists() and "resume" in json.loads(asked.read_text())["arguments"]:
+    if asked.exists() and "resume" in read_json(asked)["arguments"]:
         return ["--resume"]
     shutil.rmtree(folder, ignore_errors=True)
     return []

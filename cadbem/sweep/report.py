@@ -31,7 +31,9 @@ def write_table(path: Path, points: Sequence[Point]) -> None:
 def _row(point: Point) -> dict[str, Any]:
     found = point.summary
     state = "done" if found is not None else "not done"
-    return {**point.values, **(found or {}), "state": state, "folder": Path(point.folder).name}
+    own = {**point.values, "state": state, "folder": Path(point.folder).name}
+    renamed = {f"{name} found" if name in own else name: v for name, v in (found or {}).items()}
+    return own | renamed
 
 
 def draw_table(path: Path, points: Sequence[Point]) -> list[Path]:

@@ -2,17 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
 from cadbem.errors import CadbemError, ResultsError
-from cadbem.files import locked, make_folder, told, write_whole
+from cadbem.files import locked, make_folder, read_json, told, write_json
 from cadbem.operators.pool import CORES
 from cadbem.progress import notice, progress
-from cadbem.sweep.engines import on_a_cluster, on_this_machine
+from cadbem.sweep.engines import Outcome, on_a_cluster, on_this_machine
 from cadbem.sweep.point import Point
 from cadbem.sweep.report import draw_table, write_table
 from cadbem.sweep.values import parsed, points_of
@@ -44,43 +43,55 @@ def begin_sweep(
         "script": str(Path(script).resolve()),
         "swept": swept,
         "others": others,
+        "start": str(Path.cwd()),
         "jobs": jobs,
         "cluster": cluster,
     }
-    write_whole(folder / ASKED, (json.dumps(asked, indent=2) + "\n").encode())
+    write_json(folder / ASKED, asked)
     return resume_sweep(folder)
 
 
-def resume_sweep(folder: str | os.PathLike[str]) -> int:
-    """Run what is left of a sweep in a folder; returns 0, or 1 if any run failed."""
+def resume_sweep(
+    folder: str | os.PathLike[str], jobs: int | None = None, cluster: str | None = None
+) -> int:
+    """Run what is left of a sweep in a folder, by default with the ``jobs`` or on the ``cluster``
+    that it was begun with; returns 0, or 1 if any run failed."""
     place = Path(folder)
-    asked = json.loads((place / ASKED).read_text())
-    jobs = min(asked["jobs"] or CORES.get(), max(len(points_of(asked["swept"])), 1))
-    cores = 1 if asked["cluster"] else max(1, CORES.get() // jobs)
-    points = _points(place, asked, cores)
+    asked = read_json(place / ASKED)
+    cluster = cluster or (None if jobs else asked["cluster"])
+    at_a_time = min(jobs or asked["jobs"] or CORES.get(), len(points_of(asked["swept"])))
+    points = _points(place, asked, 1 if cluster else max(1, CORES.get() // at_a_time))
     left = [point for point in points if point.summary is None]
     with locked(place):
-        cluster = asked["cluster"]
-        engine = on_a_cluster(left, cluster) if cluster else on_this_machine(left, jobs)
-        with progress(label="sweep", total=len(points), initial=len(points) - len(left)) as bar:
-            for point, well in engine:
-                if not well:
-                    notice(f"{point.folder}: {point.failure}; more in {point.log}")
-                write_table(place / TABLE, points)
-                bar.update()
-    write_table(place / TABLE, points)
+        engine = on_a_cluster(left, cluster) if cluster else on_this_machine(left, at_a_time)
+        try:
+            _carry_out(place, points, len(left), engine)
+        except KeyboardInterrupt:
+            notice(f"go on with 'cadbem resume {folder}'")
+            raise
     pictures = draw_table(place / PLOT, points)
     print("\n".join(str(file) for file in (place / TABLE, *pictures)))
     return 0 if all(point.summary is not None for point in points) else 1
 
 
-def _points(place: Path, asked: dict[str, Any], cores: int) -> list[Point]:
-    points = points_of(asked["swept"])
-    digits, others = len(str(len(points))), tuple(asked["others"])
-    script = asked["script"]
-    if not Path(script).is_file():
-        raise CadbemError(f"{script}: the script of the sweep is not there any more")
-    folders = [str((place / f"run_{k:0{digits}d}").resolve()) for k in range(1, len(points) + 1)]
-    pairs = zip(folders, points, strict=True)
-    return [Point(folder, script, values, others, cores) for folder, values in pairs]
+def _carry_out(place: Path, points: list[Point], left: int, engine: Iterator[Outcome]) -> None:
+    """Tell of each run that ends, and keep the table as it grows."""
+    write_table(place / TABLE, points)
+    with progress(label="sweep", total=len(points), initial=len(points) - left) as bar:
+        for point, trouble in engine:
+            if trouble:
+                notice(f"{point.folder}: {trouble}; more in {point.log}")
+            write_table(place / TABLE, points)
+            bar.update()
 
+
+def _points(place: Path, asked: dict[str, Any], cores: int) -> list[Point]:
+    values = points_of(asked["swept"])
+    digits, others, script = len(str(len(values))), tuple(asked["others"]), asked["script"]
+    if not Path(script).is_file():
+        raise CadbemError(f"{script}: the script of the sweep in {place} is not there any more")
+    folders = [str((place / f"run_{k:0{digits}d}").resolve()) for k in range(1, len(values) + 1)]
+    return [
+        Point(folder, script, value, others, asked["start"], cores)
+        for folder, value in zip(folders, values, strict=True)
+    ]

@@ -1,0 +1,21 @@
+"""The command that a process is carrying out, for those who keep a record of it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from contextvars import ContextVar
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+
+@dataclass(frozen=True)
+class Command:
+    """A ``script`` and the ``arguments`` that its main was called with, by name."""
+
+    script: Path
+    arguments: Mapping[str, Any]
+
+
+# set by cb.run for as long as main runs
+CURRENT: ContextVar[Command | None] = ContextVar("CURRENT", default=None)
