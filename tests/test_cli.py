@@ -1,6 +1,7 @@
 """The command line: exit codes, one line for a user's mistake, quick help, quick import."""
 
 import ast
+import json
 import os
 import subprocess
 import sys
@@ -442,3 +443,55 @@ def test_quiet_and_verbose(droplet_script, tmp_path):
     assert run.returncode == 0 and "done at t = 1, 11 frames" in run.stderr
     run = cadbem_process("run", "--quiet", droplet_script, "-o", tmp_path / "other")
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
+
+
+def test_resume_from_another_folder(tmp_path):
+    """Relative paths among the arguments are those of the folder where the run began."""
+    (tmp_path / "chip.txt").write_text("as it was")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "script.py").write_text(
+        "import cadbem as cb\n"
+        "def main(output: str = 'out', cad: str = 'chip.txt', resume: bool = False):\n"
+        "    folder = cb.run_folder(output, cad, resume=resume)\n"
+        "    folder.summary({'resumed': float(resume)})\n"
+        "cb.run(main)"
+    )
+    command = [sys.executable, "-m", "cadbem"]
+    subprocess.run([*command, "run", "script.py"], cwd=tmp_path, check=True)
+    subprocess.run([*command, "resume", "../out"], cwd=tmp_path / "elsewhere", check=True)
+    assert json.loads((tmp_path / "out" / "summary.json").read_text()) == {"resumed": 1.0}
+    (tmp_path / "script.py").unlink()
+    run = cadbem_process("resume", tmp_path / "out")
+    assert run.returncode == 2 and "is not there any more; run its copy" in run.stderr
+
+
+def test_later_arguments_are_kept_for_the_next_time(droplet_script, tmp_path):
+    folder = tmp_path / "out"
+    assert cadbem_process("run", droplet_script, "-o", folder, "--end", "0.2").returncode == 0
+    assert cadbem_process("resume", folder, "--end", "0.4").returncode == 0
+    assert json.loads((folder / "run.json").read_text())["arguments"]["end"] == 0.4
+    assert cadbem_process("resume", folder).returncode == 0
+    assert cadbem.open_run(folder).times[-1] == 0.4
+
+
+def test_options_of_a_script(capsys):
+    """Needed ones, those whose default is None or True, and what cannot be one."""
+
+    def main(size: float, limit: float | None = None, draw: bool = True, share: str = "50%"):
+        return size, limit, draw, share
+
+    assert cadbem.run(main, ["--size", "2", "--limit=3", "--no-draw"]) == (2.0, 3.0, False, "50%")
+    assert cadbem.run(main, ["--size=2"]) == (2.0, None, True, "50%")
+    for arguments, code in (([], 2), (["--help"], 0)):
+        with pytest.raises(SystemExit) as end:
+            cadbem.run(main, arguments)
+        assert end.value.code == code
+    printed = capsys.readouterr()
+    assert "--size" in printed.err and "default: 50%" in printed.out
+
+    def other(sizes: tuple = (1, 2)):
+        """Cannot be called from a command line."""
+
+    with pytest.raises(SystemExit, match="2"):
+        cadbem.run(other, [])
+    assert "'sizes' of main cannot be an option" in capsys.readouterr().err
