@@ -63,8 +63,8 @@ def main(
     if folder:
         solution = network.flow(point)
         grid = cb.volume_grid(*cb.mesh_volume(GEOMETRY, mesh_size), solution)
-        cb.draw_slices(grid, channel, folder / "slices.png")
-        cb.draw_streamlines(grid, channel, folder / "streamlines.png")
+        cb.draw_slices(grid, channel, folder / "slices.png", units=u)
+        cb.draw_streamlines(grid, channel, folder / "streamlines.png", units=u)
         print(f"pictures are in {folder}")
     return network, point
 

@@ -48,7 +48,7 @@ def main(
         "99th percentile (Pa)": u.si(shear.percentile(99), "pressure"),
     })
     if folder:
-        cb.draw_traction(solution, folder / "wall_stresses.png")
+        cb.draw_traction(solution, folder / "wall_stresses.png", units=u)
         print(f"a picture is in {folder}")
     return found
 
