@@ -31,9 +31,10 @@ def write_table(path: Path, points: Sequence[Point]) -> None:
 def _row(point: Point) -> dict[str, Any]:
     found = point.summary
     state = "done" if found is not None else "not done"
-    own = {**point.values, "state": state, "folder": Path(point.folder).name}
-    renamed = {f"{name} found" if name in own else name: v for name, v in (found or {}).items()}
-    return own | renamed
+    last = {"state": state, "folder": Path(point.folder).name}
+    taken = point.values.keys() | last.keys()
+    renamed = {f"{n} found" if n in taken else n: value for n, value in (found or {}).items()}
+    return {**point.values, **renamed, **last}
 
 
 def draw_table(path: Path, points: Sequence[Point]) -> list[Path]:
