@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from itertools import product
@@ -165,29 +165,30 @@ class Nurbs:
 
     def restricted(self, *bounds: tuple[float, float]) -> Nurbs:
         """The part over a segment or rectangle of parameters, which keep their meaning."""
-        cut = self.inserted(
-            [
-                _missing(k, p, ends)
-                for k, p, ends in zip(self.knots, self.degrees, bounds, strict=True)
-            ]
-        )
+        return self._cut(bounds)._between_cuts(bounds)
+
+    def _cut(self, places: Sequence[Iterable[float]]) -> Nurbs:
+        """With knots so often at places in each direction that the shape falls apart there."""
+        parts = zip(self.knots, self.degrees, places, strict=True)
+        return self.inserted([_missing(k, p, at) for k, p, at in parts])
+
+    def _between_cuts(self, bounds: Sequence[tuple[float, float]]) -> Nurbs:
         slices, knots = [], []
-        for p, k, (low, high) in zip(cut.degrees, cut.knots, bounds, strict=True):
+        for p, k, (low, high) in zip(self.degrees, self.knots, bounds, strict=True):
             start = int(np.searchsorted(k, low, side="right")) - p - 1
             stop = int(np.searchsorted(k, high, side="left"))
             slices.append(slice(max(start, 0), stop))
             inner = k[(k > low) & (k < high)]
             knots.append(np.concatenate([[low] * (p + 1), inner, [high] * (p + 1)]))
         part = tuple(slices)
-        return Nurbs(cut.degrees, tuple(knots), cut.points[part], cut.weights[part])
+        return Nurbs(self.degrees, tuple(knots), self.points[part], self.weights[part])
 
     def bezier_pieces(self) -> list[Nurbs]:
         """One single-span piece for each element, the last parameter running fastest."""
-        spans = []
-        for direction in range(len(self.degrees)):
-            breaks = self.breaks(direction)
-            spans.append(list(zip(breaks[:-1], breaks[1:], strict=True)))
-        return [self.restricted(*box) for box in product(*spans)]
+        breaks = [self.breaks(direction) for direction in range(len(self.degrees))]
+        cut = self._cut(breaks)
+        spans = [zip(ends[:-1], ends[1:], strict=True) for ends in breaks]
+        return [cut._between_cuts(box) for box in product(*spans)]
 
     def swapped(self) -> Nurbs:
         """A surface with its parameters exchanged: the normal changes side."""
@@ -232,9 +233,9 @@ def _binomial(key: tuple[int, ...], lower: tuple[int, ...]) -> int:
     return 2 if any(k == 2 and j == 1 for k, j in zip(key, lower, strict=True)) else 1
 
 
-def _missing(knots: Array, degree: int, ends: tuple[float, float]) -> list[float]:
-    """What must be inserted so that both ends stand ``degree`` times."""
+def _missing(knots: Array, degree: int, places: Iterable[float]) -> list[float]:
+    """What must be inserted so that each place stands ``degree`` times."""
     wanted: list[float] = []
-    for end in ends:
-        wanted += [end] * max(0, degree - int((knots == end).sum()))
+    for place in places:
+        wanted += [place] * max(0, degree - int((knots == place).sum()))
     return wanted
