@@ -128,8 +128,13 @@ class Units:
 def check(what: str, value: Any, *kinds: str) -> None:
     """Refuse, by ``UnitsError``, a quantity (or one in a sequence) of none of the ``kinds``.
 
-    ``what`` is the parameter's name.  Plain numbers pass.
+    ``what`` is the parameter's name.  Plain numbers pass, text does not.
     """
+    if isinstance(value, str):
+        raise UnitsError(
+            f"{what}: '{value}' is text; make a number of it: u = cb.Units.of(channel), then "
+            f"u('{value}')"
+        )
     for entry in value if isinstance(value, Sequence) else (value,):
         if isinstance(entry, Quantity) and entry.dimension not in {_kind(k)[0] for k in kinds}:
             wanted = _kind(kinds[0])

@@ -8,7 +8,7 @@ import pytest
 from shapes import bulged, channel
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import ConditionError, SelectionError
+from cadbem.errors import ConditionError, SelectionError, ShapeError
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure, Traction, Velocity
 from cadbem.problems.profiles import circle_profile, rectangle_profile
 from cadbem.problems.stokes import StokesProblem
@@ -76,6 +76,12 @@ def test_velocity_and_pressure_inside_up_to_the_wall(thesis_channel):
         assert abs(velocity[1:]).max() < 1e-4
         pressure = thesis_channel.pressure_at(points)
         assert abs(pressure - 28.4541538 * (1 - 0.13)).max() < 0.05
+
+
+def test_points_of_another_shape_are_refused(thesis_channel):
+    for points in ([0.0, 0.2, 0.0], [[0.0, 0.2]]):
+        with pytest.raises(ShapeError, match=r"give coordinates \(3, N\), a column a point"):
+            thesis_channel.velocity_at(points)
 
 
 def test_duct_converges():

@@ -176,6 +176,9 @@ def running(word: str) -> bool:
 
 def test_what_a_sweep_cannot_use(script, tmp_path):
     """Scripts that leave no numbers, or fail after they did; columns do not hide each other."""
+    with pytest.raises(cb.CadbemError, match="has no option --sidd; it has --name"):
+        begin_sweep(script, ["--sidd", "1,2"], tmp_path / "never")
+    assert not (tmp_path / "never").exists()
     quiet = tmp_path / "quiet.py"
     quiet.write_text(
         "import cadbem as cb\ndef main(output: str = '', x: float = 0): pass\ncb.run(main)"

@@ -185,3 +185,17 @@ def test_numbers(u):
     with pytest.raises(cb.UnitsError, match="length: '1 s' is a time"):
         cb.numbers(viscosity=1.0, velocity=1.0, length=u("1 s"))
     assert math.isclose(cb.numbers(viscosity=2, velocity=3, length=1, tension=4).capillary, 1.5)
+
+
+def test_text_and_other_dimensions_are_refused_at_the_doors(u):
+    """Text that was not made a number, and quantities of openings and tubes."""
+    with pytest.raises(cb.UnitsError, match="flow_rate: '30 uL/min' is text; make a number of it"):
+        cb.Inflow(flow_rate="30 uL/min")
+    conductance = np.array([[1.0, -1.0], [-1.0, 1.0]])
+    network = cb.Network(("in", "out"), conductance, None)
+    with pytest.raises(cb.UnitsError, match="flow rate at 'in': '30 mm/s' is a length per time"):
+        network.operate({"out": 0.0}, {"in": u("30 mm/s")})
+    with pytest.raises(cb.UnitsError, match="pressure at 'out': '2 mm' is a length"):
+        network.operate({"out": u("2 mm")}, {"in": 1.0})
+    with pytest.raises(cb.UnitsError, match="tubing at 'in': '1 Pa' is a pressure"):
+        network.operate({"out": 0.0}, {"in": 1.0}, {"in": u("1 Pa")})

@@ -21,6 +21,7 @@ from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
+from cadbem.units import check
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +76,7 @@ class Network:
 
         ``tubing`` has resistances (pressure over flow rate) outside; a pressure is then given at
         the tube's far end.  Raises ``ConditionError`` unless each opening has either a pressure or
-        a flow rate (0: closed), and at least one a pressure.
+        a flow rate (0: closed), and at least one a pressure; ``UnitsError`` for other quantities.
         """
         given, driven = dict(pressures or {}), dict(flow_rates or {})
         self._check(given, driven, tubing or {})
@@ -101,6 +102,10 @@ class Network:
     ) -> None:
         for name in (*given, *driven, *tubing):
             self._index(name)
+        for name in self.names:
+            check(f"pressure at '{name}'", given.get(name), "pressure")
+            check(f"flow rate at '{name}'", driven.get(name), "flow_rate", "plane_flow_rate")
+            check(f"tubing at '{name}'", tubing.get(name), "resistance")
         for name in self.names:
             if (name in given) == (name in driven):
                 raise ConditionError(

@@ -21,6 +21,8 @@ from cadbem.spline.basis import Array
 
 SHOWN = Quadrature(1e-4)  # finer than colours can show
 PORTION = 2000  # points asked for at once: those near walls take memory
+FINENESS = 1.5  # points in the volume over the area, in each direction, at least
+MOST = 12000  # points that thin fluid may ask for
 CLEAR = 0.35  # spacings that points keep off the boundary, on which values are known
 JITTER = 0.15  # spacings by which points leave their lattice, for cells of good shape
 INSET = 1e-3  # share of a patch: where values at its edges are taken, as poles have no normal
@@ -64,9 +66,11 @@ class Sample:
 
 def sample_flow(solution: FlowSolution, count: int) -> Sample:
     """A flow at about ``count`` points evenly spread in the fluid that the boundary encloses, and
-    at as dense ones on the boundary."""
+    at as dense ones on the boundary; at more of them where fluid is thin beside its extent."""
     boundary = solution.space.boundary
-    spacing = (boundary.volume() / count) ** (1 / boundary.dimension)
+    thickness = boundary.volume() / boundary.area()  # a quarter of a square channel's width
+    thin = boundary.volume() * (FINENESS / thickness) ** boundary.dimension
+    spacing = (boundary.volume() / max(count, min(thin, MOST))) ** (1 / boundary.dimension)
     rim, velocity, pressure = _on_boundary(solution, spacing)
     enclosure = Enclosure(boundary)
     inner = _lattice(boundary, spacing)

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
-from cadbem.errors import ConditionError, SelectionError
+from cadbem.errors import ConditionError, SelectionError, ShapeError
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.compressed_layers import CompressedLayers
 from cadbem.operators.interactions import Targets
@@ -140,6 +140,13 @@ def represent(
     come on top of, counts off the boundary only.  Result (rows, M).
     """
     position = np.ascontiguousarray(points, dtype=float)
+    dimension = space.boundary.dimension
+    if position.ndim != 2 or len(position) != dimension:
+        one = ", ".join(["[x]", "[y]", "[z]"][:dimension])
+        raise ShapeError(
+            f"points have the shape {position.shape}; give coordinates ({dimension}, N), a column "
+            f"a point: [{one}] is one"
+        )
     owner, parameters = locate(space.boundary, position)
     inside = owner < 0
     result = np.empty((kernel.rows, position.shape[1]))

@@ -17,7 +17,7 @@ from cadbem.spline.basis import Array
 
 PICTURES = "pictures"
 STILL = 1e-3  # way, as a share of what there is to see, below which bodies stay where they are
-ROUND = 1e-3  # D below which a droplet has no inclination
+ROUND = 5e-3  # D below which a droplet has no inclination
 SERIES = {"D": "deformation", "inclination (degrees)": "inclination", "narrowest gap": "gap"}
 
 
@@ -45,7 +45,9 @@ def _drawn(run: StoredRun, colour: str) -> list[Path]:
         filmstrip(place / f"filmstrip{name}.png", channel, frames, colour=colour),
         draw_series(place / "series.png", run.times, _series(run, moves)),
     ]
-    return made + [draw_trajectories(place / "paths.png", channel, tracks)] * moves
+    if moves:
+        made.append(draw_trajectories(place / "paths.png", channel, tracks))
+    return made
 
 
 def _tracks(run: StoredRun) -> dict[str | int, Array]:
@@ -67,7 +69,7 @@ def _series(run: StoredRun, moves: bool) -> dict[str, dict[int, Array]]:
     if "inclination" in table:
         longish = table["deformation"] > ROUND
         columns["inclination (degrees)"] = np.where(longish, table["inclination"], np.nan)
-    shown = {label: values for label, values in columns.items() if np.isfinite(values).any()}
+    shown = {label: values for label, values in columns.items() if np.isfinite(values).sum() > 1}
     frame = np.searchsorted(run.times, table["time"])
     numbers = np.unique(table["body"])
     return {

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import os
+import re
+import subprocess
+import sys
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -38,6 +41,7 @@ def begin_sweep(
         if folder.exists() and any(folder.iterdir()):
             how = f"go on with 'cadbem resume {folder}', or " if (folder / ASKED).exists() else ""
             raise ResultsError(f"{folder} exists already; {how}choose another folder with -o")
+    _check_options(Path(script), [*swept, *others])
     make_folder(folder)
     asked = {
         "script": str(Path(script).resolve()),
@@ -83,6 +87,18 @@ def _carry_out(place: Path, points: list[Point], left: int, engine: Iterator[Out
                 notice(f"{point.folder}: {trouble}; more in {point.log}")
             write_table(place / TABLE, points)
             bar.update()
+
+
+def _check_options(script: Path, options: Sequence[str]) -> None:
+    """Refuse options that the script's help does not know, before anything is run."""
+    command = [sys.executable, "-m", "cadbem", "run", "--quiet", str(script), "--help"]
+    told = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    known = set(re.findall(r"--[a-zA-Z][\w-]*", told.stdout))
+    names = ["--" + option.removeprefix("--").partition("=")[0] for option in options]
+    for name in [*names, "--output"]:
+        if name not in known:
+            there = ", ".join(sorted(known - {"--help"})) or "none"
+            raise CadbemError(f"{script} has no option {name}; it has {there}")
 
 
 def _points(place: Path, asked: dict[str, Any], cores: int) -> list[Point]:
