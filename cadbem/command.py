@@ -8,6 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+CHECK_FAILED, USER_MISTAKE, INTERRUPTED = 1, 2, 130  # exit codes
+
 
 @dataclass(frozen=True)
 class Command:

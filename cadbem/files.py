@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import csv
 import errno
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from io import StringIO
 from pathlib import Path
 from typing import Any
 
@@ -65,6 +67,40 @@ def read_json(path: Path) -> Any:
     except (OSError, ValueError) as error:
         why = "missing" if not path.exists() else "damaged"
         raise ResultsError(f"{path} is {why}; begin anew in another folder") from error
+
+
+def fresh_folder(path: Path, mark: str) -> Path:
+    """Make a folder for what goes on for long, known by the file ``mark`` in it.
+
+    Hidden files are what a process that was killed at its very beginning leaves.  Raises
+    ``ResultsError`` when there is anything else, and when the folder cannot be made.
+    """
+    with told(path):
+        if path.is_dir():
+            taken = any(not file.name.startswith(".") for file in path.iterdir())
+        else:
+            taken = path.exists()
+    if taken:
+        how = f"go on with 'cadbem resume {path}', or " if (path / mark).exists() else ""
+        raise ResultsError(f"{path} exists already; {how}choose another folder with -o")
+    return make_folder(path)
+
+
+def names_of(rows: Sequence[Mapping[str, Any]]) -> list[str]:
+    """The columns of a table: all names in its rows, in their order."""
+    return list(dict.fromkeys(name for row in rows for name in row))
+
+
+def csv_lines(
+    rows: Sequence[Mapping[str, Any]], names: Sequence[str], headed: bool = True
+) -> bytes:
+    """Lines of a table, below its head; what a row lacks stays empty, numbers keep all digits."""
+    text = StringIO()
+    table = csv.DictWriter(text, names, lineterminator="\n")
+    if headed:
+        table.writeheader()
+    table.writerows(rows)
+    return text.getvalue().encode()
 
 
 def make_folder(path: Path) -> Path:

@@ -9,11 +9,10 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
-from cadbem.command import CURRENT, Command
+from cadbem.command import CURRENT, INTERRUPTED, USER_MISTAKE, Command
 from cadbem.errors import CadbemError
 from cadbem.progress import verbose
 
-USER_MISTAKE, INTERRUPTED = 2, 130
 KINDS = {"str": str, "int": int, "float": float, "bool": bool}
 # what a file system may answer without anything being wrong with a script
 REFUSALS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM}

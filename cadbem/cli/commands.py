@@ -14,8 +14,9 @@ from typing import Any
 from cadbem import __version__
 from cadbem.cli.files import add_info, add_view
 from cadbem.cli.machine import add_verify, add_warmup
-from cadbem.cli.parser import INTERRUPTED, USER_MISTAKE, Options, Parser
+from cadbem.cli.parser import Options, Parser
 from cadbem.cli.runs import add_render, add_resume, add_run, add_sweep
+from cadbem.command import INTERRUPTED, USER_MISTAKE
 from cadbem.errors import CadbemError, CadWarning
 from cadbem.progress import QUIET
 

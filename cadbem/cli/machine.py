@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import time
 
-from cadbem.cli.parser import CHECK_FAILED, Commands, Options, add_command
+from cadbem.cli.parser import Commands, Options, add_command
+from cadbem.command import CHECK_FAILED
 
 
 def add_warmup(commands: Commands) -> None:

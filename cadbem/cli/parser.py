@@ -7,9 +7,9 @@ from collections.abc import Callable
 from math import isfinite
 from typing import Any, NoReturn
 
+from cadbem.command import USER_MISTAKE
 from cadbem.errors import CadbemError
 
-CHECK_FAILED, USER_MISTAKE, INTERRUPTED = 1, 2, 130
 Commands = argparse._SubParsersAction
 Options = argparse.Namespace
 

@@ -11,7 +11,6 @@ from threading import Thread
 from typing import Any
 
 from cadbem.cli.parser import (
-    INTERRUPTED,
     Commands,
     Options,
     Parser,
@@ -20,6 +19,7 @@ from cadbem.cli.parser import (
     counting,
     leave_rest,
 )
+from cadbem.command import INTERRUPTED
 
 
 def add_run(commands: Commands) -> None:
@@ -122,9 +122,7 @@ def _add_engine(parser: Parser) -> None:
 
 
 def _run(options: Options) -> None:
-    script = Path(options.script)
-    if not script.is_file():
-        raise UsageError(f"{script}: there is no such script")
+    script = _script(options)
     if options.cores:
         _limit(options.cores)
     if options.tied:
@@ -132,6 +130,13 @@ def _run(options: Options) -> None:
     sys.argv = [str(script), *options.arguments]
     sys.path.insert(0, str(script.resolve().parent))
     runpy.run_path(str(script), run_name="__main__")
+
+
+def _script(options: Options) -> Path:
+    script = Path(options.script)
+    if not script.is_file():
+        raise UsageError(f"{script}: there is no such script")
+    return script
 
 
 def _end_with_parent() -> None:
@@ -207,8 +212,6 @@ def _render(options: Options) -> None:
 def _sweep(options: Options) -> int:
     from cadbem.sweep import begin_sweep
 
-    script = Path(options.script)
-    if not script.is_file():
-        raise UsageError(f"{script}: there is no such script")
+    script = _script(options)
     output = options.output or f"results/{script.stem}_sweep"
     return begin_sweep(script, options.arguments, output, options.jobs, options.cluster)

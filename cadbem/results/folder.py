@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from cadbem.errors import ResultsError
-from cadbem.files import make_folder, read_json, told, write_json, write_whole
+from cadbem.files import fresh_folder, read_json, told, write_json, write_whole
 from cadbem.progress import STAGES, notice
 from cadbem.results.asked import asked_by
 from cadbem.suspension.simulation import Simulation
@@ -23,10 +23,9 @@ ASKED, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
 @dataclass(frozen=True)
 class RunFolder:
     """Where the results of a run go: ``folder / "picture.png"``; nothing is kept without a
-    ``path``, and the folder then counts as false.  ``resumed``: it holds results already."""
+    ``path``, and the folder then counts as false.  ``used`` are the parts that this process has."""
 
     path: Path | None
-    resumed: bool = False
     used: set[str] = field(default_factory=set, repr=False, compare=False)
 
     def __bool__(self) -> bool:
@@ -107,25 +106,13 @@ def run_folder(
     path = Path(output)
     if resume:
         return _resumed(path, asked)
-    if _taken(path):
-        how = f"go on with 'cadbem resume {path}', or " if (path / ASKED).exists() else ""
-        raise ResultsError(f"{path} exists already; {how}choose another folder with -o")
-    folder = RunFolder(make_folder(path))
+    folder = RunFolder(fresh_folder(path, ASKED))
     write_json(path / ASKED, asked)
     script = asked["script"]
     if script:
         write_whole(path / "script.py", Path(script["file"]).read_bytes())
     folder.note("began")
     return folder
-
-
-def _taken(path: Path) -> bool:
-    """Whether there is something that must not be lost; hidden files are what a run that was
-    killed at its very beginning leaves."""
-    with told(path):
-        if not path.is_dir():
-            return path.exists()
-        return any(not file.name.startswith(".") for file in path.iterdir())
 
 
 def read_asked(path: Path) -> dict[str, Any]:
@@ -143,7 +130,7 @@ def _resumed(path: Path, asked: dict[str, Any]) -> RunFolder:
                 f"{new['file']} has changed since the run in {path} began; start it anew in "
                 "another folder"
             )
-    folder = RunFolder(path, resumed=True)
+    folder = RunFolder(path)
     folder.note("resumed")
     for what in _changes(before, asked):
         folder.note(what)

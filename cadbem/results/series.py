@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import csv
-from io import StringIO
 from typing import Any
 
 import numpy as np
@@ -26,7 +24,7 @@ SCALARS = (
 
 def run_row(state: State, seconds: float) -> Row:
     """The whole: time, steps so far, mean pressure and flow rate at each opening of a channel;
-    ``seconds`` of CPU time since the run was begun or gone on with."""
+    ``seconds`` of CPU time spent on the run, without its pauses."""
     row: Row = {
         "time": state.time,
         "bodies": len(state.numbers),
@@ -83,24 +81,6 @@ def _particle(body: Any, response: Any) -> Row:
 
 def _vector(name: str, values: Array) -> Row:
     return {f"{name}{axis}": float(value) for axis, value in zip(AXES, values, strict=False)}
-
-
-def columns(state: State) -> tuple[list[str], list[str]]:
-    """The columns of both tables, for all that a run may come to hold."""
-    names: dict[str, None] = {}
-    for row in body_rows(state):
-        names |= dict.fromkeys(row)
-    return list(run_row(state, 0.0)), list(names)
-
-
-def lines(rows: list[Row], names: list[str], headed: bool) -> str:
-    """Lines of a table, below its head; what a row lacks stays empty, numbers keep all digits."""
-    text = StringIO()
-    table = csv.DictWriter(text, names, restval="", lineterminator="\n")
-    if headed:
-        table.writeheader()
-    table.writerows(rows)
-    return text.getvalue()
 
 
 def frame_of(state: State) -> Frame:

@@ -16,7 +16,15 @@ from pathlib import Path
 import h5py
 
 from cadbem.errors import ResultsError
-from cadbem.files import locked, make_folder, read_json, write_at, write_json
+from cadbem.files import (
+    csv_lines,
+    locked,
+    make_folder,
+    names_of,
+    read_json,
+    write_at,
+    write_json,
+)
 from cadbem.post.series import write_channel, write_frame, write_index
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
@@ -31,7 +39,7 @@ from cadbem.results.encode import (
     write_rest,
     write_state,
 )
-from cadbem.results.series import body_rows, columns, frame_of, lines, run_row
+from cadbem.results.series import body_rows, frame_of, run_row
 from cadbem.suspension.channel_flow import ChannelFlow
 from cadbem.suspension.moment import Moment
 from cadbem.suspension.simulation import Simulation
@@ -147,12 +155,11 @@ class Store:
             write_fields(place, frame.fields)
         write_frame(self.folder / PARAVIEW, index, frame)
         write_index(self.folder / PARAVIEW, times)
-        heads = progress.columns or columns(work)
         rows = [run_row(work, progress.seconds)], body_rows(work)
+        heads = progress.columns or (names_of(rows[0]), names_of(rows[1]))
         sizes = []
         for name, head, size, part in zip(TABLES, heads, progress.sizes, rows, strict=True):
-            text = lines(part, head, headed=not size)
-            sizes.append(write_at(self.folder / name, size, text.encode()))
+            sizes.append(write_at(self.folder / name, size, csv_lines(part, head, not size)))
         return replace(progress, times=times, columns=heads, sizes=tuple(sizes))
 
     def _checkpoint(self, moment: Moment, progress: Progress) -> None:

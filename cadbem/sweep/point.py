@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import subprocess
 import sys
@@ -13,7 +12,6 @@ from typing import Any
 
 from cadbem.files import read_json, write_json
 
-LIBRARIES = ("OPENBLAS", "OMP", "MKL", "NUMBA")
 PATIENCE = 0.2  # seconds between looks at a process
 
 
@@ -60,12 +58,11 @@ def run_point(values: dict[str, Any], stop: Event | None = None) -> str:
     point = Point(**values)
     if point.mark.exists():
         return ""
-    threads = {f"{name}_NUM_THREADS": str(point.cores) for name in LIBRARIES}
     with (
         point.log.open("a") as log,
         subprocess.Popen(
             [*point.command, *_resumed(Path(point.folder))], stdout=log, stderr=subprocess.STDOUT,
-            stdin=subprocess.PIPE, env=os.environ | threads, cwd=point.start,
+            stdin=subprocess.PIPE, cwd=point.start,
         ) as process,
     ):  # fmt: skip
         while process.poll() is None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import csv
 from collections.abc import Sequence
-from io import StringIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from cadbem.files import write_whole
+from cadbem.files import csv_lines, names_of, write_whole
 from cadbem.post.plots import Curve, Plot, draw_plots
 from cadbem.sweep.point import Point
 
@@ -20,12 +18,7 @@ SIDE_BY_SIDE = 3  # plots in a picture
 def write_table(path: Path, points: Sequence[Point]) -> None:
     """A row for each point that has ended: the swept values, what was found, and its folder."""
     rows = [_row(point) for point in points]
-    names = list(dict.fromkeys(name for row in rows for name in row))
-    text = StringIO()
-    table = csv.DictWriter(text, names, lineterminator="\n")
-    table.writeheader()
-    table.writerows(rows)
-    write_whole(path, text.getvalue().encode())
+    write_whole(path, csv_lines(rows, names_of(rows)))
 
 
 def _row(point: Point) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from cadbem.errors import CadbemError, ResultsError
-from cadbem.files import locked, make_folder, read_json, told, write_json
+from cadbem.errors import CadbemError
+from cadbem.files import fresh_folder, locked, read_json, write_json
 from cadbem.operators.pool import CORES
 from cadbem.progress import notice, progress
 from cadbem.sweep.engines import Outcome, on_a_cluster, on_this_machine
@@ -37,12 +37,8 @@ def begin_sweep(
     """
     swept, others = parsed(arguments)
     folder = Path(output)
-    with told(folder):
-        if folder.exists() and any(folder.iterdir()):
-            how = f"go on with 'cadbem resume {folder}', or " if (folder / ASKED).exists() else ""
-            raise ResultsError(f"{folder} exists already; {how}choose another folder with -o")
     _check_options(Path(script), [*swept, *others])
-    make_folder(folder)
+    fresh_folder(folder, ASKED)
     asked = {
         "script": str(Path(script).resolve()),
         "swept": swept,
@@ -92,8 +88,8 @@ def _carry_out(place: Path, points: list[Point], left: int, engine: Iterator[Out
 def _check_options(script: Path, options: Sequence[str]) -> None:
     """Refuse options that the script's help does not know, before anything is run."""
     command = [sys.executable, "-m", "cadbem", "run", "--quiet", str(script), "--help"]
-    told = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
-    known = set(re.findall(r"--[a-zA-Z][\w-]*", told.stdout))
+    helped = subprocess.run(command, capture_output=True, text=True, stdin=subprocess.DEVNULL)
+    known = set(re.findall(r"--[a-zA-Z][\w-]*", helped.stdout))
     names = ["--" + option.removeprefix("--").partition("=")[0] for option in options]
     for name in [*names, "--output"]:
         if name not in known:
