@@ -25,7 +25,7 @@ from cadbem.boundary import Boundary, Patch  # noqa: E402
 from cadbem.kernels.stokes_3d import STOKES_3D  # noqa: E402
 from cadbem.kernels.stokes_sums import SUMS_3D  # noqa: E402
 from cadbem.operators.panels import split_patch  # noqa: E402
-from cadbem.operators.pool import CORES  # noqa: E402
+from cadbem.operators.parallel import CORES  # noqa: E402
 from cadbem.quadrature import Quadrature  # noqa: E402
 from cadbem.spline.shapes import box  # noqa: E402
 

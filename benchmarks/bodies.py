@@ -18,7 +18,7 @@ import cadbem as cb  # noqa: E402
 from benchmarks.table import Table, show  # noqa: E402
 from cadbem.boundary import Boundary, Patch  # noqa: E402
 from cadbem.spline.shapes import box  # noqa: E402
-from cadbem.suspension.surroundings import Surroundings  # noqa: E402
+from cadbem.suspension.surroundings.surroundings import Surroundings  # noqa: E402
 
 FREE = (1, 5, 20, 50, 100)
 SUMMED_DIRECTLY = 50  # bodies up to which direct sums are timed

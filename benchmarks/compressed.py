@@ -18,9 +18,9 @@ import numpy as np
 import cadbem as cb
 from benchmarks.runs import peak
 from benchmarks.table import Table, fresh, show
-from cadbem.operators.iterate import Iteration
+from cadbem.operators.compressed.iterate import Iteration
+from cadbem.operators.compressed.sources import PanelList, sources
 from cadbem.operators.panels import split_patch
-from cadbem.operators.sources import PanelList, sources
 
 DENSE, LARGE = (0.5, 0.33, 0.25), (0.16, 0.087)  # sizes of the serpentine's elements
 EXACT_GRADIENT = -28.454153769562279  # square channel, in viscosity U / W²

@@ -18,9 +18,9 @@ import numpy as np  # noqa: E402
 import cadbem as cb  # noqa: E402
 from benchmarks.table import Table, show  # noqa: E402
 from cadbem.kernels.stokes_sums import stokes_sums  # noqa: E402
-from cadbem.operators.closed import ClosedLayers, closed_operator  # noqa: E402
-from cadbem.suspension.droplet import PlacedDroplet  # noqa: E402
-from cadbem.suspension.together import respond_together  # noqa: E402
+from cadbem.operators.closed.layers import ClosedLayers, closed_operator  # noqa: E402
+from cadbem.suspension.bodies.droplet import PlacedDroplet  # noqa: E402
+from cadbem.suspension.multibody.multibody import velocity_responses  # noqa: E402
 
 REPEATS, ROUNDS = 5, 7
 POINTS, RATIOS = (200, 800), (1.0, 0.1, 10.0)
@@ -53,7 +53,7 @@ def velocity_row(points: int, ratio: float) -> tuple[str, ...]:
     drop, flow = cb.Droplet(shape, cb.SurfaceTension(1.0), ratio), cb.FreeFlow(cb.shear())
 
     def velocity() -> int:
-        return respond_together(
+        return velocity_responses(
             flow, [PlacedDroplet(drop, ClosedLayers(operator, shape))]
         )[0].iterations
 

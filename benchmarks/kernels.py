@@ -153,7 +153,7 @@ def sum_tasks(
 
 
 class _Nowhere:
-    """A sink that keeps nothing."""
+    """A accumulator that keeps nothing."""
 
     def pairs(self, *_: object) -> None:
         """Forget."""

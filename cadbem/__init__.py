@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from cadbem.design.network import OperatingPoint as OperatingPoint
     from cadbem.design.network import hydraulic_network as hydraulic_network
     from cadbem.design.network import network_of as network_of
-    from cadbem.design.starts import Starts as Starts
-    from cadbem.design.starts import inlet_starts as inlet_starts
+    from cadbem.design.release_points import Starts as Starts
+    from cadbem.design.release_points import inlet_starts as inlet_starts
     from cadbem.design.tracers import Tracers as Tracers
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
@@ -42,9 +42,9 @@ if TYPE_CHECKING:
     from cadbem.errors import ShapeError as ShapeError
     from cadbem.errors import UnitsError as UnitsError
     from cadbem.extension import extended as extended
-    from cadbem.operators.equivalent import FarField as FarField
-    from cadbem.operators.storage import Compressed as Compressed
-    from cadbem.operators.storage import Dense as Dense
+    from cadbem.operators.compressed.storage import Compressed as Compressed
+    from cadbem.operators.compressed.storage import Dense as Dense
+    from cadbem.operators.far.equivalent import FarField as FarField
     from cadbem.post import Frame as Frame
     from cadbem.post import bezier_grid as bezier_grid
     from cadbem.post import draw_around as draw_around
@@ -108,42 +108,42 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import sphere as sphere
     from cadbem.spline.shapes import sphere_octants as sphere_octants
     from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
-    from cadbem.suspension.channel_flow import ChannelFlow as ChannelFlow
-    from cadbem.suspension.closeness import Repel as Repel
-    from cadbem.suspension.closeness import StopAtGap as StopAtGap
-    from cadbem.suspension.droplet import Droplet as Droplet
-    from cadbem.suspension.flows import UserFlow as UserFlow
-    from cadbem.suspension.flows import at_rest as at_rest
-    from cadbem.suspension.flows import linear_flow as linear_flow
-    from cadbem.suspension.flows import pipe_poiseuille as pipe_poiseuille
-    from cadbem.suspension.flows import plane_extension as plane_extension
-    from cadbem.suspension.flows import plane_poiseuille as plane_poiseuille
-    from cadbem.suspension.flows import shear as shear
-    from cadbem.suspension.flows import uniaxial_extension as uniaxial_extension
-    from cadbem.suspension.free_flow import FreeFlow as FreeFlow
-    from cadbem.suspension.history import History as History
-    from cadbem.suspension.history import record as record
-    from cadbem.suspension.interface import Bending as Bending
-    from cadbem.suspension.interface import SurfaceTension as SurfaceTension
-    from cadbem.suspension.interface import capillary_tension as capillary_tension
-    from cadbem.suspension.interface import thesis_tension_2d as thesis_tension_2d
-    from cadbem.suspension.measures import inclination as inclination
-    from cadbem.suspension.measures import measure as measure
-    from cadbem.suspension.measures import taylor_deformation as taylor_deformation
-    from cadbem.suspension.membrane import InextensibleMembrane as InextensibleMembrane
-    from cadbem.suspension.mesh import RelaxMesh as RelaxMesh
-    from cadbem.suspension.motion import affine_velocity as affine_velocity
-    from cadbem.suspension.motion import full_velocity as full_velocity
-    from cadbem.suspension.motion import normal_velocity as normal_velocity
-    from cadbem.suspension.particle import RigidParticle as RigidParticle
-    from cadbem.suspension.rigid_shapes import rigid_ellipsoid as rigid_ellipsoid
-    from cadbem.suspension.rigid_shapes import rigid_sphere as rigid_sphere
-    from cadbem.suspension.simulation import Simulation as Simulation
-    from cadbem.suspension.state import State as State
-    from cadbem.suspension.stepping import Adaptive as Adaptive
-    from cadbem.suspension.stepping import Euler as Euler
-    from cadbem.suspension.thesis import thesis_methods as thesis_methods
-    from cadbem.suspension.volume import CorrectVolume as CorrectVolume
+    from cadbem.suspension.bodies.droplet import Droplet as Droplet
+    from cadbem.suspension.bodies.particle import RigidParticle as RigidParticle
+    from cadbem.suspension.bodies.rigid_shapes import rigid_ellipsoid as rigid_ellipsoid
+    from cadbem.suspension.bodies.rigid_shapes import rigid_sphere as rigid_sphere
+    from cadbem.suspension.interface.laws import Bending as Bending
+    from cadbem.suspension.interface.laws import SurfaceTension as SurfaceTension
+    from cadbem.suspension.interface.laws import capillary_tension as capillary_tension
+    from cadbem.suspension.interface.laws import thesis_tension_2d as thesis_tension_2d
+    from cadbem.suspension.interface.membrane import InextensibleMembrane as InextensibleMembrane
+    from cadbem.suspension.interface.mesh import RelaxMesh as RelaxMesh
+    from cadbem.suspension.interface.motion import affine_velocity as affine_velocity
+    from cadbem.suspension.interface.motion import full_velocity as full_velocity
+    from cadbem.suspension.interface.motion import normal_velocity as normal_velocity
+    from cadbem.suspension.interface.volume import CorrectVolume as CorrectVolume
+    from cadbem.suspension.multibody.contact import Repel as Repel
+    from cadbem.suspension.multibody.contact import StopAtGap as StopAtGap
+    from cadbem.suspension.multibody.measures import inclination as inclination
+    from cadbem.suspension.multibody.measures import measure as measure
+    from cadbem.suspension.multibody.measures import taylor_deformation as taylor_deformation
+    from cadbem.suspension.surroundings.channel_flow import ChannelFlow as ChannelFlow
+    from cadbem.suspension.surroundings.flows import UserFlow as UserFlow
+    from cadbem.suspension.surroundings.flows import at_rest as at_rest
+    from cadbem.suspension.surroundings.flows import linear_flow as linear_flow
+    from cadbem.suspension.surroundings.flows import pipe_poiseuille as pipe_poiseuille
+    from cadbem.suspension.surroundings.flows import plane_extension as plane_extension
+    from cadbem.suspension.surroundings.flows import plane_poiseuille as plane_poiseuille
+    from cadbem.suspension.surroundings.flows import shear as shear
+    from cadbem.suspension.surroundings.flows import uniaxial_extension as uniaxial_extension
+    from cadbem.suspension.surroundings.free_flow import FreeFlow as FreeFlow
+    from cadbem.suspension.time.history import History as History
+    from cadbem.suspension.time.history import record as record
+    from cadbem.suspension.time.simulation import Simulation as Simulation
+    from cadbem.suspension.time.state import State as State
+    from cadbem.suspension.time.stepping import Adaptive as Adaptive
+    from cadbem.suspension.time.stepping import Euler as Euler
+    from cadbem.suspension.time.thesis_methods import thesis_methods as thesis_methods
     from cadbem.units import Numbers as Numbers
     from cadbem.units import Quantity as Quantity
     from cadbem.units import Units as Units
@@ -157,7 +157,7 @@ _NAMES = {
     "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
     "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
     "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
-    "design.starts": ("Starts", "inlet_starts"),
+    "design.release_points": ("Starts", "inlet_starts"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
@@ -172,7 +172,7 @@ _NAMES = {
         "UnitsError",
     ),
     "extension": ("extended",),
-    "operators.equivalent": ("FarField",),
+    "operators.far.equivalent": ("FarField",),
     "post": (
         "Frame",
         "bezier_grid",
@@ -212,7 +212,7 @@ _NAMES = {
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
     "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
-    "operators.storage": ("Compressed", "Dense"),
+    "operators.compressed.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
     "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
     "script": ("run", "text_table"),
@@ -238,10 +238,10 @@ _NAMES = {
         "sphere_octants",
         "sphere_with_poles",
     ),
-    "suspension.channel_flow": ("ChannelFlow",),
-    "suspension.closeness": ("Repel", "StopAtGap"),
-    "suspension.droplet": ("Droplet",),
-    "suspension.flows": (
+    "suspension.surroundings.channel_flow": ("ChannelFlow",),
+    "suspension.multibody.contact": ("Repel", "StopAtGap"),
+    "suspension.bodies.droplet": ("Droplet",),
+    "suspension.surroundings.flows": (
         "UserFlow",
         "at_rest",
         "linear_flow",
@@ -251,20 +251,25 @@ _NAMES = {
         "shear",
         "uniaxial_extension",
     ),
-    "suspension.free_flow": ("FreeFlow",),
-    "suspension.history": ("History", "record"),
-    "suspension.interface": ("Bending", "SurfaceTension", "capillary_tension", "thesis_tension_2d"),
-    "suspension.measures": ("inclination", "measure", "taylor_deformation"),
-    "suspension.membrane": ("InextensibleMembrane",),
-    "suspension.mesh": ("RelaxMesh",),
-    "suspension.particle": ("RigidParticle",),
-    "suspension.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
-    "suspension.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
-    "suspension.simulation": ("Simulation",),
-    "suspension.state": ("State",),
-    "suspension.stepping": ("Adaptive", "Euler"),
-    "suspension.thesis": ("thesis_methods",),
-    "suspension.volume": ("CorrectVolume",),
+    "suspension.surroundings.free_flow": ("FreeFlow",),
+    "suspension.time.history": ("History", "record"),
+    "suspension.interface.laws": (
+        "Bending",
+        "SurfaceTension",
+        "capillary_tension",
+        "thesis_tension_2d",
+    ),
+    "suspension.multibody.measures": ("inclination", "measure", "taylor_deformation"),
+    "suspension.interface.membrane": ("InextensibleMembrane",),
+    "suspension.interface.mesh": ("RelaxMesh",),
+    "suspension.bodies.particle": ("RigidParticle",),
+    "suspension.bodies.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
+    "suspension.interface.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
+    "suspension.time.simulation": ("Simulation",),
+    "suspension.time.state": ("State",),
+    "suspension.time.stepping": ("Adaptive", "Euler"),
+    "suspension.time.thesis_methods": ("thesis_methods",),
+    "suspension.interface.volume": ("CorrectVolume",),
     "units": ("Numbers", "Quantity", "Units", "numbers"),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}

@@ -11,14 +11,24 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from cadbem.errors import UnitsError
 
-if TYPE_CHECKING:
-    from cadbem.boundary import Boundary
-
 Dimension = tuple[int, int, int]  # powers of length, mass and time
+
+
+class Drawn(Protocol):
+    """What was drawn in some unit of length, such as a ``Boundary``."""
+
+    @property
+    def source(self) -> str:
+        """The file, or nothing."""
+
+    @property
+    def unit(self) -> str:
+        """The unit, or nothing."""
+
 
 # what a kind of quantity is: its dimension, words for it, an example, and how it is shown
 _KINDS: dict[str, tuple[Dimension, str, str, str]] = {
@@ -77,7 +87,7 @@ class Units:
                 raise UnitsError(f"{kind}='{text}' is not {_KINDS[kind][1]}; give a unit of one")
 
     @classmethod
-    def of(cls, channel: Boundary, time: str = "s", pressure: str = "Pa") -> Units:
+    def of(cls, channel: Drawn, time: str = "s", pressure: str = "Pa") -> Units:
         """Units with the length of a ``channel``'s CAD file.
 
         Raises ``UnitsError`` for a channel without a unit.

@@ -12,8 +12,8 @@ import numpy as np
 from cadbem.boundary import Boundary, Patch
 from cadbem.compiled import quietly
 from cadbem.kernels.stokes_3d import STOKES_3D
+from cadbem.operators.compressed.storage import Compressed, Storage
 from cadbem.operators.layers import assemble_layers, collocation_targets
-from cadbem.operators.storage import Compressed, Storage
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
 from cadbem.problems.heat import HeatProblem
 from cadbem.problems.heat_conditions import HeatCondition, HeatFlux, Temperature
@@ -26,14 +26,14 @@ from cadbem.spline.closed import ClosedSpline
 from cadbem.spline.closed_shapes import spline_circle, spline_sphere
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box, sphere_with_poles
-from cadbem.suspension.body import Body
-from cadbem.suspension.channel_flow import ChannelFlow
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import shear
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.interface import SurfaceTension
-from cadbem.suspension.rigid_shapes import rigid_sphere
-from cadbem.suspension.simulation import Simulation
+from cadbem.suspension.bodies.body import Body
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.bodies.rigid_shapes import rigid_sphere
+from cadbem.suspension.interface.laws import SurfaceTension
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
+from cadbem.suspension.surroundings.flows import shear
+from cadbem.suspension.surroundings.free_flow import FreeFlow
+from cadbem.suspension.time.simulation import Simulation
 
 Step = tuple[str, Callable[[], object]]
 FAR = 100  # elements along an edge from which some are far from each other

@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
-from cadbem.post.style import INK, PALETTE
+from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.post.style.style import INK, PALETTE
 from cadbem.problems.profiles import rectangle_profile
 from cadbem.quadrature.near import gauss_table
 from cadbem.quadrature.uniform import triangle_nodes

@@ -14,7 +14,7 @@ from pathlib import Path
 
 import gmsh
 
-from cadbem.cad.write import write_cad
+from cadbem.cad.export.write_model import write_cad
 
 Point = tuple[float, float, float]
 

@@ -1,10 +1,10 @@
 """One droplet's response, for tests that bring their own layers."""
 
-from cadbem.operators.closed import ClosedLayers
-from cadbem.suspension.droplet import Droplet, PlacedDroplet, Response
-from cadbem.suspension.surroundings import Surroundings
-from cadbem.suspension.together import respond_together
+from cadbem.operators.closed.layers import ClosedLayers
+from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet, Response
+from cadbem.suspension.multibody.multibody import velocity_responses
+from cadbem.suspension.surroundings.surroundings import Surroundings
 
 
 def alone(flow: Surroundings, droplet: Droplet, layers: ClosedLayers) -> Response:
-    return respond_together(flow, [PlacedDroplet(droplet, layers)])[0]
+    return velocity_responses(flow, [PlacedDroplet(droplet, layers)])[0]

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.post.frames import Frame
+from cadbem.post.fields.frames import Frame
 from cadbem.spline import Nurbs
 from cadbem.spline.outlines import rectangle
 

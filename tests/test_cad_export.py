@@ -12,8 +12,8 @@ import pytest
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad import read_cad, write_patches
-from cadbem.cad.brep import read_brep
-from cadbem.cad.shells import find_shells
+from cadbem.cad.body.shells import find_shells
+from cadbem.cad.kernel.brep import read_brep
 from cadbem.errors import CadError
 from cadbem.post import bezier_grid
 from cadbem.spline.nurbs import Nurbs

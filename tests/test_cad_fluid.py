@@ -10,8 +10,8 @@ import pytest
 from drawn import exported
 
 from cadbem.cad import inspect_cad, read_cad, write_cad
-from cadbem.cad.model import CadModel, open_model
-from cadbem.cad.orientation import enclosed
+from cadbem.cad.body.model import CadModel, open_model
+from cadbem.cad.body.orientation import enclosed
 from cadbem.errors import CadError
 
 occ = gmsh.model.occ

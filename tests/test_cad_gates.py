@@ -10,7 +10,7 @@ import pytest
 from drawn import exported
 
 from cadbem.cad import inspect_cad, mesh_volume, read_cad
-from cadbem.cad.model import open_model
+from cadbem.cad.body.model import open_model
 from cadbem.errors import CadError
 
 occ = gmsh.model.occ
@@ -151,7 +151,7 @@ def test_faces_that_cannot_become_patches_are_counted(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ):
     """The walls of two pipes that cross, of 6 faces, are not done within 1e-14 without halving."""
-    monkeypatch.setattr("cadbem.cad.approximate.HALVINGS", 0)
+    monkeypatch.setattr("cadbem.cad.layout.approximate.HALVINGS", 0)
     pipes = [
         (3, occ.addCylinder(-2, 0, 0, 4, 0, 0, 1)),
         (3, occ.addCylinder(0, 0, -2, 0, 0, 4, 0.6)),
@@ -190,7 +190,7 @@ def test_the_kernel_has_a_time_limit(folder: Path, function: Callable[..., objec
 
 def test_a_crash_of_the_kernel_is_reported(folder: Path, monkeypatch: pytest.MonkeyPatch):
     """A process that a signal ended has a negative exit code and leaves no answer."""
-    monkeypatch.setattr("cadbem.cad.kernel._finished", lambda *_: (-11, b"noise"))
+    monkeypatch.setattr("cadbem.cad.kernel.process._finished", lambda *_: (-11, b"noise"))
     with pytest.raises(CadError, match="kernel crashed.*exit code -11"):
         read_cad(box(folder))
 
@@ -198,7 +198,7 @@ def test_a_crash_of_the_kernel_is_reported(folder: Path, monkeypatch: pytest.Mon
 def test_a_missing_gmsh_is_named(folder: Path, monkeypatch: pytest.MonkeyPatch):
     """The wheel of gmsh needs system libraries that a bare machine lacks."""
     complaint = b"Traceback ...\nOSError: libGLU.so.1: cannot open shared object file\n"
-    monkeypatch.setattr("cadbem.cad.kernel._finished", lambda *_: (1, complaint))
+    monkeypatch.setattr("cadbem.cad.kernel.process._finished", lambda *_: (1, complaint))
     with pytest.raises(CadError, match="libGLU.so.1.*install"):
         read_cad(box(folder))
 

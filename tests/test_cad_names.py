@@ -13,8 +13,9 @@ from named_box import SIZES, middle_of, named_box, with_lines
 
 from cadbem.boundary import Boundary
 from cadbem.cad import inspect_cad, read_cad, write_cad
-from cadbem.cad.marks import FaceMark, Unit, match_marks
-from cadbem.cad.model import open_model
+from cadbem.cad.body.model import open_model
+from cadbem.cad.labels.face_labels import FaceLabel, match_labels
+from cadbem.cad.text.unit import Unit
 from cadbem.cli import main
 from cadbem.errors import CadError
 
@@ -148,15 +149,15 @@ def test_names_must_be_a_known_choice(folder: Path, function):
         function(folder / "any.step", names="colors")
 
 
-def test_marks_that_contradict_each_other_name_no_face(folder: Path):
+def test_labels_that_contradict_each_other_name_no_face(folder: Path):
     """A face that the text has twice under different names could be either; if both say the same,
     there is no doubt."""
     model = open_model(named_box(folder / "box.step"), 60.0)
-    marks = list(model.marks.values())
-    doubled = [*marks, *(replace(m, name="other") for m in marks if m.name == "x0")]
-    found = match_marks(doubled, list(model.faces), Unit("mm", 1.0))
+    labels = list(model.labels.values())
+    doubled = [*labels, *(replace(m, name="other") for m in labels if m.name == "x0")]
+    found = match_labels(doubled, list(model.faces), Unit("mm", 1.0))
     assert sorted(mark.name for mark in found.values()) == ["x1", "y0", "y2", "z0", "z3"]
-    found = match_marks([*marks, *marks], list(model.faces), Unit("mm", 1.0))
+    found = match_labels([*labels, *labels], list(model.faces), Unit("mm", 1.0))
     assert len(found) == 6
 
 
@@ -168,7 +169,9 @@ def test_a_face_is_not_its_neighbour_with_the_same_corners(folder: Path):
     straight = np.array([[0, 1, 0], [0, 2, 1.5], [0, 1, 3], [0, 0, 1.5]])
     bulge = np.array([[0, 0, -1], [0, 1, 0], [0, 0, 1], [0, -1, 0]])
     for middles, expected in ((straight, 1), (straight + 1.2 * bulge, 0)):
-        found = match_marks([FaceMark("x0", corners, middles)], list(model.faces), Unit("mm", 1.0))
+        found = match_labels(
+            [FaceLabel("x0", corners, middles)], list(model.faces), Unit("mm", 1.0)
+        )
         assert len(found) == expected
 
 
@@ -187,7 +190,7 @@ def test_faces_of_a_part_that_was_moved_keep_their_names(folder: Path):
             for loop in face.loops
         )
         moved.append(replace(face, matrix=put @ face.matrix, loops=loops))
-    found = match_marks(list(model.marks.values()), moved, Unit("mm", 1.0))
+    found = match_labels(list(model.labels.values()), moved, Unit("mm", 1.0))
     assert {n: mark.name for n, mark in found.items()} == model.names
 
 
@@ -201,7 +204,7 @@ def test_a_face_that_the_kernel_divided_has_no_name(folder: Path):
     occ.synchronize()
     gmsh.write(str(folder / "divided.step"))
     divided = open_model(folder / "divided.step", 60.0)
-    found = match_marks(list(model.marks.values()), list(divided.faces), Unit("mm", 1.0))
+    found = match_labels(list(model.labels.values()), list(divided.faces), Unit("mm", 1.0))
     assert len(divided.faces) == 7
     assert sorted(mark.name for mark in found.values()) == ["x1", "y0", "y2"]
 

@@ -13,8 +13,8 @@ from scipy.integrate import quad
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad import inspect_cad
-from cadbem.cad.brep import BrepFace, read_brep
-from cadbem.cad.layouts import face_patches
+from cadbem.cad.kernel.brep import BrepFace, read_brep
+from cadbem.cad.layout.face_patches import face_patches
 
 occ = gmsh.model.occ
 

@@ -12,9 +12,9 @@ import pytest
 from drawn import exported
 
 from cadbem.cad import read_cad
-from cadbem.cad.brep import BrepFace, read_brep
-from cadbem.cad.model import open_model
-from cadbem.cad.orientation import enclosed, shells_of
+from cadbem.cad.body.model import open_model
+from cadbem.cad.body.orientation import enclosed, shells_of
+from cadbem.cad.kernel.brep import BrepFace, read_brep
 from cadbem.errors import CadWarning
 
 occ = gmsh.model.occ

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.cad.brep import read_brep
-from cadbem.cad.layouts import face_patches
+from cadbem.cad.kernel.brep import read_brep
+from cadbem.cad.layout.face_patches import face_patches
 from cadbem.spline.nurbs import Nurbs
 
 occ = gmsh.model.occ

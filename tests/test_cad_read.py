@@ -233,7 +233,7 @@ def test_report_of_a_good_file(folder: Path):
 
 def test_report_of_a_bad_file_lists_what_is_wrong(folder: Path, monkeypatch: pytest.MonkeyPatch):
     """A pipe with a hole across: only its ends are exact, its two walls are not within 1e-14."""
-    monkeypatch.setattr("cadbem.cad.approximate.HALVINGS", 0)  # quick to give up
+    monkeypatch.setattr("cadbem.cad.layout.approximate.HALVINGS", 0)  # quick to give up
     pipes = [
         (3, occ.addCylinder(0, 0, -2, 0, 0, 4, 1)),
         (3, occ.addCylinder(0, -2, 0, 0, 4, 0, 0.6)),

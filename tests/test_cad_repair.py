@@ -8,8 +8,8 @@ import pytest
 from drawn import exported
 
 from cadbem.cad import read_cad
-from cadbem.cad.model import CadModel, open_model
-from cadbem.cad.orientation import enclosed
+from cadbem.cad.body.model import CadModel, open_model
+from cadbem.cad.body.orientation import enclosed
 from cadbem.errors import CadError, CadWarning
 
 occ = gmsh.model.occ

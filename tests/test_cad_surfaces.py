@@ -13,9 +13,9 @@ import numpy as np
 import pytest
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.cad.brep import read_brep
-from cadbem.cad.coons import coons_patch, segment
-from cadbem.cad.layouts import face_patches
+from cadbem.cad.kernel.brep import read_brep
+from cadbem.cad.layout.coons import coons_patch, segment
+from cadbem.cad.layout.face_patches import face_patches
 from cadbem.errors import CadError
 from cadbem.spline.nurbs import Nurbs
 

@@ -25,7 +25,7 @@ def assert_sound(run: cb.History) -> None:
     apart from each other, and what is symmetric about the plane z = 0 stays so."""
     for state in run.states:
         assert abs(state.walls.net_flux()) < 1e-4
-        flow, start = state.simulation.flow, state.simulation.start
+        flow, start = state.flow, run.states[0]
         for number, body, placed in zip(state.numbers, state.bodies, state.placed, strict=True):
             assert flow.nearest(placed.targets, np.inf).distance.min() > 0
             assert abs(body.centre[2]) < 1e-6
@@ -74,7 +74,7 @@ def test_constriction_droplet(tmp_path):
         constriction_droplet.main, ["-o", str(tmp_path), *options, "--every", "0.05", *COARSE]
     )
     assert_sound(passage.run)
-    flow = passage.run.states[0].simulation.flow.empty
+    flow = passage.run.states[0].flow.empty
     step = 1e-3
     ends = flow.pressure_at([[-1.3 - step, -1.3 + step], [0, 0], [0, 0]])
     gradient = (ends[1] - ends[0]) / (2 * step)

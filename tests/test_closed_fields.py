@@ -7,8 +7,8 @@ import pytest
 from test_closed_layers import layers_of, stokeslet, wavy
 
 import cadbem as cb
-from cadbem.operators.closed_field import OffSurface
-from cadbem.operators.closed_nearest import nearest_points, signed_distance
+from cadbem.operators.closed.field import OffSurface
+from cadbem.operators.closed.nearest import nearest_points, signed_distance
 
 
 @pytest.mark.parametrize("dimension, n, tolerance", [(2, 14, 2e-5), (3, 14, 2e-4)])

@@ -8,15 +8,15 @@ from alone import alone
 from scipy.special import sph_harm_y
 
 from cadbem.kernels.stokes_sums import stokes_sums
-from cadbem.operators.closed import ClosedLayers, ClosedOperator
-from cadbem.post.plots import fitted_order
+from cadbem.operators.closed.layers import ClosedLayers, ClosedOperator
+from cadbem.post.style.plots import fitted_order
 from cadbem.quadrature.closed import PolarRule, SingularitySubtraction, closed_rule
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
 from cadbem.spline.closed_shapes import spline_ellipsoid
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import at_rest, shear
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.interface import SurfaceTension
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import SurfaceTension
+from cadbem.suspension.surroundings.flows import at_rest, shear
+from cadbem.suspension.surroundings.free_flow import FreeFlow
 
 FINE = PolarRule(1e-8)
 ROWS = np.array([8, 12, 16])

@@ -6,7 +6,7 @@ from scipy.special import sph_harm_y
 
 from cadbem.closed_points import ClosedGrid
 from cadbem.errors import ShapeError
-from cadbem.post.plots import fitted_order
+from cadbem.post.style.plots import fitted_order
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline, unit_point
 from cadbem.spline.closed_shapes import (
     spline_circle,

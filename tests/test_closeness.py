@@ -9,7 +9,7 @@ import cadbem as cb
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ConditionError
 from cadbem.spline.outlines import rectangle
-from cadbem.suspension.crowd import Crowd
+from cadbem.suspension.multibody.neighbours import Neighbours
 
 NAMES = ("inlet", "outlet", "walls", "walls")
 
@@ -47,10 +47,10 @@ def test_distances():
     ball = cb.Droplet(cb.spline_sphere(0.4, (1.2, 0.9, 0.0)), cb.SurfaceTension(1.0))
     pairs.append((cb.rigid_sphere(1.0, (0, 0, 0)), ball))
     for pair in pairs:
-        crowd = Crowd([b.placed(cb.PolarRule()) for b in pair])
-        assert 0.1 - 1e-6 < crowd.between(1, 0, 1.0) < 0.1 + 3.5e-3
-        assert crowd.between(0, 1, 0.01) == np.inf or crowd.between(0, 1, 0.01) > 0.09
-        assert crowd.nearest(1, 1.0) == (crowd.between(1, 0, 1.0), 0)
+        neighbours = Neighbours([b.placed(cb.PolarRule()) for b in pair])
+        assert 0.1 - 1e-6 < neighbours.between(1, 0, 1.0) < 0.1 + 3.5e-3
+        assert neighbours.between(0, 1, 0.01) == np.inf or neighbours.between(0, 1, 0.01) > 0.09
+        assert neighbours.nearest(1, 1.0) == (neighbours.between(1, 0, 1.0), 0)
 
 
 @pytest.mark.parametrize("place, named", [

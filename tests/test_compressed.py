@@ -10,13 +10,13 @@ from cadbem.errors import SolverError
 from cadbem.kernels.laplace_3d import LAPLACE_3D
 from cadbem.kernels.stokes_2d import STOKES_2D
 from cadbem.kernels.stokes_3d import STOKES_3D
-from cadbem.operators import iterate
-from cadbem.operators.clusters import cluster, partition
-from cadbem.operators.compress import compress
-from cadbem.operators.compressed import CompressedMatrix
-from cadbem.operators.cross import MixedKernel, recompressed
+from cadbem.operators.compressed import iterate
+from cadbem.operators.compressed.clusters import cluster, partition
+from cadbem.operators.compressed.compress import compress
+from cadbem.operators.compressed.cross import MixedKernel, recompressed
+from cadbem.operators.compressed.matrix import CompressedMatrix
+from cadbem.operators.compressed.storage import storage_for
 from cadbem.operators.layers import assemble_layers, collocation_targets
-from cadbem.operators.storage import storage_for
 from cadbem.problems.heat import HeatProblem
 from cadbem.problems.heat_conditions import HeatFlux, Temperature
 from cadbem.space import Space, discontinuous_space

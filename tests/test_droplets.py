@@ -11,16 +11,16 @@ from scipy.spatial import cKDTree
 import cadbem as cb
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.points import dual_tangents
-from cadbem.post.plots import fitted_order
-from cadbem.suspension.mesh import stretches, turning
-from cadbem.suspension.stepping import chebyshev_coefficients
-from cadbem.suspension.volume import (
+from cadbem.post.style.plots import fitted_order
+from cadbem.suspension.interface.mesh import stretches, turning
+from cadbem.suspension.interface.volume import (
     centre,
     nearest_by_sqp,
     nearest_with_volume,
     volume,
     volume_gradient,
 )
+from cadbem.suspension.time.stepping import chebyshev_coefficients
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 EXACT_2D = REFERENCE["drop_2d_shear"]["Cat0.1_l1"]

@@ -7,9 +7,9 @@ import pytest
 from test_closed_layers import stokeslet, wavy
 
 import cadbem as cb
-from cadbem.operators.equivalent import Expansion, Sources, ball_around, point_sources
-from cadbem.operators.exchange import Cloud, Exchange, clouds_of
-from cadbem.suspension.together import respond_together
+from cadbem.operators.far.equivalent import Expansion, Sources, ball_around, point_sources
+from cadbem.operators.far.exchange import Cloud, Exchange, clouds_of
+from cadbem.suspension.multibody.multibody import velocity_responses
 
 
 def directions(dimension: int, count: int, seed: int = 0) -> np.ndarray:
@@ -75,9 +75,9 @@ def test_a_shell_of_force_and_a_shell_of_sources():
     """A sphere with q = F / (4πR²) and u = n; the double layer of n is 8πR² (x - c) / |x - c|³, as
     n n is I / 3 in the mean.  Two more bodies that make nothing, and clouds at all distances."""
     radius, centre, force = 0.7, np.array([1.0, 2.0, -1.0]), np.array([0.3, -1.0, 0.5])
-    body = cb.Droplet(
-        cb.spline_sphere(radius, centre, points=800), cb.SurfaceTension(1.0)
-    ).placed(cb.PolarRule(1e-9))
+    body = cb.Droplet(cb.spline_sphere(radius, centre, points=800), cb.SurfaceTension(1.0)).placed(
+        cb.PolarRule(1e-9)
+    )
     area = 4 * np.pi * radius**2
     shape = body.layers.spline.coefficients
     density = np.broadcast_to(force[:, None, None] / area, shape.shape)
@@ -130,7 +130,9 @@ def test_many_bodies_against_direct_sums(dimension, ratio):
     flow = cb.FreeFlow(cb.shear(dimension=dimension))
 
     def velocities(far):
-        return np.concatenate([r.velocity.ravel() for r in respond_together(flow, placed, far=far)])
+        return np.concatenate(
+            [r.velocity.ravel() for r in velocity_responses(flow, placed, far=far)]
+        )
 
     exact = velocities(None)
     for tolerance in (1e-4, 1e-6, 1e-8):

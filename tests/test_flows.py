@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cadbem.errors import ConditionError
-from cadbem.suspension.flows import (
+from cadbem.suspension.surroundings.flows import (
     PolynomialFlow,
     UserFlow,
     at_rest,

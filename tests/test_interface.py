@@ -20,13 +20,13 @@ from alone import alone
 from scipy.special import eval_legendre
 
 from cadbem.closed_points import ClosedGrid
-from cadbem.operators.closed import ClosedLayers, ClosedOperator
+from cadbem.operators.closed.layers import ClosedLayers, ClosedOperator
 from cadbem.quadrature.closed import PolarRule, fejer_weights
 from cadbem.spline.closed import ClosedBasis, closed_spline, unit_point
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import at_rest
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.interface import Bending, SurfaceTension
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import Bending, SurfaceTension
+from cadbem.suspension.surroundings.flows import at_rest
+from cadbem.suspension.surroundings.free_flow import FreeFlow
 
 H = 0.7
 

@@ -10,7 +10,7 @@ import pytest
 from alone import alone
 from scipy.special import ellipe, ellipeinc, ellipkinc
 
-from cadbem.operators.closed import ClosedLayers, ClosedOperator
+from cadbem.operators.closed.layers import ClosedLayers, ClosedOperator
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
 from cadbem.spline.closed_shapes import (
     round_basis,
@@ -19,19 +19,10 @@ from cadbem.spline.closed_shapes import (
     spline_ellipsoid,
     spline_sphere,
 )
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.extremes import extreme_distances
-from cadbem.suspension.flows import (
-    at_rest,
-    linear_flow,
-    pipe_poiseuille,
-    plane_extension,
-    shear,
-    uniaxial_extension,
-)
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.interface import SurfaceTension, no_jump
-from cadbem.suspension.measures import (
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.extremes import extreme_distances
+from cadbem.suspension.interface.laws import SurfaceTension, no_jump
+from cadbem.suspension.multibody.measures import (
     area,
     inclination,
     inertia_axes,
@@ -39,6 +30,15 @@ from cadbem.suspension.measures import (
     measure,
     taylor_deformation,
 )
+from cadbem.suspension.surroundings.flows import (
+    at_rest,
+    linear_flow,
+    pipe_poiseuille,
+    plane_extension,
+    shear,
+    uniaxial_extension,
+)
+from cadbem.suspension.surroundings.free_flow import FreeFlow
 
 AXES = np.array([1.5, 0.8, 1.0])
 RATIOS = (0.1, 1.0, 10.0)

@@ -20,7 +20,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, eval_legendre
 
 from cadbem.errors import ConditionError
-from cadbem.operators.closed import ClosedLayers, ClosedOperator
+from cadbem.operators.closed.layers import ClosedLayers, ClosedOperator
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline, unit_point
 from cadbem.spline.closed_shapes import (
@@ -29,16 +29,16 @@ from cadbem.spline.closed_shapes import (
     spline_ellipsoid,
     spline_sphere,
 )
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import at_rest, shear
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.interface import Bending
-from cadbem.suspension.measures import area, inertia_axes
-from cadbem.suspension.membrane import InextensibleMembrane
-from cadbem.suspension.motion import affine_velocity, full_velocity
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.stepping import Adaptive
-from cadbem.suspension.volume import volume
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import Bending
+from cadbem.suspension.interface.membrane import InextensibleMembrane
+from cadbem.suspension.interface.motion import affine_velocity, full_velocity
+from cadbem.suspension.interface.volume import volume
+from cadbem.suspension.multibody.measures import area, inertia_axes
+from cadbem.suspension.surroundings.flows import at_rest, shear
+from cadbem.suspension.surroundings.free_flow import FreeFlow
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.stepping import Adaptive
 
 FINE = PolarRule(1e-8)
 

@@ -13,7 +13,7 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ShapeError
 from cadbem.spline.outlines import circle, rectangle
 from cadbem.spline.shapes import box
-from cadbem.suspension.pose import Pose
+from cadbem.suspension.rigid.pose import Pose
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 REST = cb.FreeFlow(cb.at_rest())

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from threadpoolctl import threadpool_info
 
-from cadbem.operators.pool import CORES, in_shares, run_tasks
+from cadbem.operators.parallel import CORES, in_shares, run_tasks
 
 
 @pytest.fixture(params=[1, 2, 5])

@@ -11,10 +11,10 @@ from post_stand_ins import box, frames_along, rectangular_channel
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import CadbemError
 from cadbem.post import Frame, draw_movie, draw_scene, filmstrip
-from cadbem.post.colouring import Colouring
-from cadbem.post.encode import Shots, encoder
-from cadbem.post.frames import extent_of, time_labels
-from cadbem.post.style import quantity_label
+from cadbem.post.bodies.colouring import Colouring
+from cadbem.post.fields.frames import extent_of, time_labels
+from cadbem.post.files.encode import Shots, encoder
+from cadbem.post.style.style import quantity_label
 from cadbem.spline.closed_shapes import spline_circle, spline_ellipse, spline_ellipsoid
 from cadbem.spline.outlines import circle
 from cadbem.spline.shapes import sphere

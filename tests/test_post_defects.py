@@ -9,10 +9,10 @@ from post_stand_ins import box
 
 from cadbem.boundary import Boundary
 from cadbem.cad import write_cad
-from cadbem.cad.layouts import face_patches
+from cadbem.cad.layout.face_patches import face_patches
+from cadbem.cad.layout.region import region_of
+from cadbem.cad.layout.trimming_curves import line
 from cadbem.cad.picture import defect_lines, skins, triangulated
-from cadbem.cad.region import region_of
-from cadbem.cad.strokes import line
 from cadbem.cad.survey import survey_cad
 from cadbem.errors import CadError
 from cadbem.post import draw_boundary
@@ -111,7 +111,7 @@ def planes_only(face, tolerance):
 def test_skin_of_a_face_without_patches(folder, monkeypatch):
     """The slanted cylinder's side has a mean height of 2 and an area of 4 π; the normals of its
     skin point to the axis. The ends are a circle and an ellipse of half axes 1 and sqrt(1.25)."""
-    monkeypatch.setattr("cadbem.cad.model.face_patches", planes_only)
+    monkeypatch.setattr("cadbem.cad.body.model.face_patches", planes_only)
     survey = survey_cad(slanted_cylinder(folder / "slanted.step"))
     (side,) = survey.refused
     found = skins(survey)

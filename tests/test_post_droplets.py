@@ -5,7 +5,7 @@ import pytest
 from test_post_pictures import SIZE, check, has_colour, pixels
 
 from cadbem.errors import CadbemError, ShapeError
-from cadbem.post.droplets import (
+from cadbem.post.bodies.droplets import (
     draw_droplets,
     draw_outlines,
     knot_lines,
@@ -13,7 +13,7 @@ from cadbem.post.droplets import (
     tessellated_droplet,
     write_droplets,
 )
-from cadbem.post.style import INK, PALETTE
+from cadbem.post.style.style import INK, PALETTE
 from cadbem.spline.closed import ClosedBasis
 from cadbem.spline.closed_shapes import spline_circle, spline_ellipsoid, spline_sphere
 

@@ -6,7 +6,7 @@ from post_stand_ins import ARC, PositionField, box, pipe, quarter_cylinder
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.post import edge_lines, tessellated, wall_stresses
-from cadbem.post.fields import sharp_edges
+from cadbem.post.fields.cells import sharp_edges
 from cadbem.spline import Nurbs
 
 pytest.importorskip("pyvista")

@@ -10,7 +10,7 @@ from post_stand_ins import PositionField, box, pipe, rectangular_channel
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ShapeError
 from cadbem.post import draw_flow, draw_traction
-from cadbem.post.sampling import PORTION, SHOWN, in_portions, sample_flow
+from cadbem.post.fields.sampling import PORTION, SHOWN, in_portions, sample_flow
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure
 from cadbem.spline.shapes import sphere
 
@@ -104,7 +104,7 @@ def test_pictures(tmp_path):
 
 def test_pressure_on_walls(tmp_path, monkeypatch):
     """The traction f = -p n + τ on a wall has the pressure p and the shear stress |τ|."""
-    from cadbem.post import view_walls
+    from cadbem.post.channel import view_walls
 
     found = {}
 

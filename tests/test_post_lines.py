@@ -9,7 +9,7 @@ from post_stand_ins import box, rectangular_channel
 
 from cadbem.errors import CadbemError, ShapeError
 from cadbem.post import draw_paths, draw_series
-from cadbem.post.style import PALETTE, quantity_label
+from cadbem.post.style.style import PALETTE, quantity_label
 
 pytest.importorskip("pyvista")
 UNITS = SimpleNamespace(length="mm", time="s", pressure="Pa")

@@ -15,10 +15,10 @@ from cadbem.post import (
     draw_trajectories,
     filmstrip,
 )
-from cadbem.post.bodies import body_colour, body_surface, legend_of
-from cadbem.post.frames import spread_points, time_labels
-from cadbem.post.palette import EXACT, Palette
-from cadbem.post.style import OPENING, PALETTE
+from cadbem.post.bodies.bodies import body_colour, body_surface, legend_of
+from cadbem.post.fields.frames import spread_points, time_labels
+from cadbem.post.files.palette import EXACT, Palette
+from cadbem.post.style.style import OPENING, PALETTE
 from cadbem.spline.closed_shapes import spline_circle, spline_sphere
 from cadbem.spline.outlines import circle, rectangle
 from cadbem.spline.shapes import sphere
@@ -175,8 +175,8 @@ def test_looks():
     assert len({body_colour(number) for number in range(60)}) == 60
     frames = [Frame(time, {}) for time in (0.0, 0.5, 12.3)]
     assert time_labels(frames) == ["t = 0.0", "t = 0.5", "t = 12.3"]
-    crowd = {number: ball(0.5) for number in range(9)} | {9: particle(sphere())}
-    assert list(legend_of([Frame(0.0, crowd)])) == ["9 droplets", "1 particle"]
+    neighbours = {number: ball(0.5) for number in range(9)} | {9: particle(sphere())}
+    assert list(legend_of([Frame(0.0, neighbours)])) == ["9 droplets", "1 particle"]
     assert legend_of([Frame(0.0, {3: ball(0.5)})]) == {"droplet 3": PALETTE[3]}
 
 
@@ -195,8 +195,8 @@ def test_palette_keeps_a_scale():
     """A rare scale of 64 shades of red survives beside 4096 more frequent greens and blues."""
     reds = np.stack([np.arange(0, 256, 4), *np.zeros((2, 64))], axis=1).astype(np.uint8)
     others = np.indices((64, 64)).reshape(2, -1).T * 4
-    crowd = np.repeat(np.hstack([0 * others[:, :1], others]), 3, axis=0).astype(np.uint8)
-    image = Image.fromarray(np.concatenate([reds, crowd])[None])
+    neighbours = np.repeat(np.hstack([0 * others[:, :1], others]), 3, axis=0).astype(np.uint8)
+    image = Image.fromarray(np.concatenate([reds, neighbours])[None])
     result = np.asarray(Palette.of([image], reds).applied(image).convert("RGB"))[0, :64]
     assert np.abs(result.astype(int) - reds).max() <= 4
 

@@ -26,12 +26,12 @@ from cadbem.post import (
     tessellated,
     volume_grid,
 )
-from cadbem.post.face_labels import look, place_labels, roomiest
-from cadbem.post.fields import edge_lines, face_edges
-from cadbem.post.layout import arrangement, back_view, corner_view, plan_view
-from cadbem.post.style import PALETTE, colours_of, quantity_label, round_values
-from cadbem.post.view_boundary import choose_views
-from cadbem.post.view_flow import inflow_seeds
+from cadbem.post.channel.view_boundary import choose_views
+from cadbem.post.channel.view_flow import inflow_seeds
+from cadbem.post.fields.cells import edge_lines, face_edges
+from cadbem.post.scene.face_labels import look, place_labels, roomiest
+from cadbem.post.style.layout import arrangement, back_view, corner_view, plan_view
+from cadbem.post.style.style import PALETTE, colours_of, quantity_label, round_values
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure
 
 pyvista = pytest.importorskip("pyvista")

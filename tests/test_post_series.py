@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import CadbemError, ShapeError
 from cadbem.post import Frame, write_frame, write_frames, write_index
-from cadbem.post.body_fields import fields_of
+from cadbem.post.fields.body_fields import fields_of
 from cadbem.spline.closed_shapes import spline_circle, spline_ellipsoid, spline_sphere
 from cadbem.spline.shapes import sphere
 

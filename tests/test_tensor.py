@@ -8,10 +8,10 @@ from shapes import octant, quarter_cylinder, unit_square
 
 from cadbem.kernels.laplace_3d import LAPLACE_3D
 from cadbem.kernels.stokes_3d import STOKES_3D
+from cadbem.operators.accumulators import MatrixAccumulator
 from cadbem.operators.interactions import Targets, interact, interact_pairs
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import split_patch, tensor_nodes
-from cadbem.operators.sinks import MatrixSink
 from cadbem.operators.tensor import TARGETS, add_tensor, by_blocks
 from cadbem.points import surface_points
 from cadbem.quadrature import Quadrature
@@ -23,8 +23,8 @@ def matrix(kernel, surface, targets, tolerance):
     """All entries (entries, T, F) of one patch."""
     panels = split_patch(surface)
     entries = np.zeros((kernel.entries, targets.shape[1], surface.weights.size))
-    sink = MatrixSink(entries, surface.weights.shape[1])
-    interact(kernel, panels, 0, Targets.free(targets), Quadrature(tolerance), sink)
+    accumulator = MatrixAccumulator(entries, surface.weights.shape[1])
+    interact(kernel, panels, 0, Targets.free(targets), Quadrature(tolerance), accumulator)
     return entries
 
 
@@ -70,8 +70,8 @@ def test_far_rule_is_the_sum_over_its_nodes():
     panels = split_patch(surface)
     entries = np.zeros((2, 150, surface.weights.size))
     pairs = by_blocks(np.ones((150, 1), dtype=bool))
-    sink = MatrixSink(entries, surface.weights.shape[1])
-    add_tensor(LAPLACE_3D, panels, 5, targets, *pairs, sink)
+    accumulator = MatrixAccumulator(entries, surface.weights.shape[1])
+    add_tensor(LAPLACE_3D, panels, 5, targets, *pairs, accumulator)
     t, w = gauss_unit(5)
     u, v = (g.ravel() for g in np.meshgrid(t, t, indexing="ij"))
     points = surface_points(surface, u, v)
@@ -110,7 +110,7 @@ def test_chosen_pairs_are_the_same_pairs():
     targets = Targets.free(directions(40) * np.geomspace(1.2, 30.0, 40) + 0.5)
     panels = split_patch(surface)
     count, columns = surface.weights.size, surface.weights.shape[1]
-    whole, parts = (MatrixSink(np.zeros((12, 40, count)), columns) for _ in range(2))
+    whole, parts = (MatrixAccumulator(np.zeros((12, 40, count)), columns) for _ in range(2))
     rules = Quadrature(1e-8)
     interact(STOKES_3D, panels, 0, targets, rules, whole)
     grid = np.indices((40, len(panels.flat_nets))).reshape(2, -1)

@@ -12,9 +12,9 @@ import cadbem as cb
 from cadbem.boundary import Boundary, Patch
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box
-from cadbem.suspension.channel_flow import ChannelFlow
-from cadbem.suspension.droplet import PlacedDroplet
-from cadbem.suspension.together import respond_together
+from cadbem.suspension.bodies.droplet import PlacedDroplet
+from cadbem.suspension.multibody.multibody import velocity_responses
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 
@@ -48,7 +48,7 @@ def errors(flow, surroundings, shapes, ratios) -> float:
     drops = [cb.Droplet(s, Undisturbed(strain, r), r) for s, r in zip(shapes, ratios, strict=True)]
     layers = [layers_of(s, cb.PolarRule(1e-5)) for s in shapes]
     placed = [PlacedDroplet(d, of) for d, of in zip(drops, layers, strict=True)]
-    found = respond_together(surroundings, placed)
+    found = velocity_responses(surroundings, placed)
     return max(
         np.abs(
             of.operator.collocation.values(r.velocity) - flow.velocity(of.targets.position)

@@ -9,7 +9,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots, fitted_order
+from cadbem.post.style.plots import Curve, Plot, draw_plots, fitted_order
 from cadbem.verification.heat import error_on_sides, quarter_ring
 
 SLOPE = brentq(

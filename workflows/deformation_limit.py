@@ -9,7 +9,7 @@ droplet of a given size and tension bears; draws the allowed Ca over the limit f
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 
 def main(

@@ -17,7 +17,7 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.boundary import Boundary, Patch
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 from cadbem.spline.shapes import parallelogram
 from cadbem.verification.plates import between_plates
 from cadbem.verification.theory import shapira_haber
@@ -115,7 +115,7 @@ def resolution_runs(
 def case_of(run: cb.History) -> tuple[float, float, float]:
     """Ca, λ and R / W of a run."""
     state = run.last
-    half_width = state.simulation.flow.problem.boundary.bounds()[1, 2]
+    half_width = state.flow.problem.boundary.bounds()[1, 2]
     tension = state.droplet.interface.tension
     return 1 / tension, state.droplet.viscosity_ratio, float(np.round(1 / half_width, 12))
 
@@ -137,7 +137,7 @@ def report_time(run: cb.History) -> None:
     capillary, ratio, share = case_of(run)
     top = int(run.deformation.argmax())
     state = run.last
-    walls = state.simulation.flow.problem.space.count
+    walls = state.flow.problem.space.count
     print(f"Ca = {capillary:g}, λ = {ratio:g}, R / W = {share:g}: {walls} points on the plates, "
           f"{state.droplet.shape.basis.count} on the droplet, {state.evaluations} evaluations, "
           f"{run.seconds:.0f} CPU s")  # fmt: skip
@@ -186,7 +186,7 @@ def draw_time(folder: cb.RunFolder, run: cb.History) -> None:
 
 def draw_motion(folder: cb.RunFolder, run: cb.History) -> None:
     """A movie and a film strip, with strips of the plates."""
-    half_width = run.last.simulation.flow.problem.boundary.bounds()[1, 2]
+    half_width = run.last.flow.problem.boundary.bounds()[1, 2]
     long, wide = 2.5, 0.9 * half_width
     strips = [parallelogram((-long, -wide, z), (2 * long, 0, 0), (0, 2 * wide, 0))
               for z in (-half_width, half_width)]  # fmt: skip
@@ -235,7 +235,7 @@ def report_resolution(runs: Runs) -> None:
     for (name, value), run in runs.items():
         times, true = true_series(run)
         error = f"{abs(kept(run, times) - true).max():.1e}" if times.size else ""
-        walls = run.last.simulation.flow.problem.space.count
+        walls = run.last.flow.problem.space.count
         rows.append(
             (name, f"{value}", f"{walls}", f"{run.last.droplet.shape.basis.count}",
              f"{run.deformation[-1]:.5f}", f"{run.deformation[-1] - first.deformation[-1]:+.1e}",

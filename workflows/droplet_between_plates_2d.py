@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
-from cadbem.suspension.closeness import narrowest
+from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.multibody.contact import narrowest
 from cadbem.verification.plates import between_plane_plates as between_plates
 from cadbem.verification.theory import far_plates
 
@@ -26,7 +26,7 @@ Runs = dict[tuple, cb.History]
 def flux_across(state: cb.State, x: float) -> float:
     """∫ u dy across the channel, which shear flow and droplets do not change from 0, over what the
     shear carries to either side, W² / 2."""
-    half_width = state.simulation.flow.problem.boundary.bounds()[1, 1]
+    half_width = state.flow.problem.boundary.bounds()[1, 1]
     nodes, weights = np.polynomial.legendre.leggauss(120)
     points = np.stack([np.full(120, x), half_width * nodes])
     return float(state.velocity_at(points)[0] @ weights) * 2 / half_width
@@ -105,7 +105,7 @@ def report_widths(runs: dict[float, cb.History], ratio: float) -> None:
     for width, run in runs.items():
         state = run.last
         excess = (run.deformation[-1] / free - 1) * width**2 if width < np.inf else None
-        gap = narrowest(state.simulation.flow, state.placed, (1,), everywhere=True)[0].length
+        gap = narrowest(state.flow, state.placed, (1,), everywhere=True)[0].length
         flux = "" if excess is None else f"{abs(flux_across(state, 0.7)):.0e}"
         rows.append(
             (f"{width:g}", f"{run.deformation.max():.5f}", f"{run.deformation[-1]:.5f}",
@@ -148,7 +148,7 @@ def draw_widths(folder: cb.RunFolder, runs: dict[float, cb.History], ratio: floa
 
 def draw_motion(folder: Path | cb.RunFolder, run: cb.History) -> None:
     """A movie, and a film strip."""
-    channel = run.last.simulation.flow.problem.boundary
+    channel = run.last.flow.problem.boundary
     frames = [cb.Frame(state.time, state.shapes) for state in run.states]
     cb.draw_movie(folder / "movie.gif", channel, frames)
     cb.filmstrip(folder / "strip.png", channel, frames)
@@ -172,7 +172,7 @@ def report_resolution(runs: Runs, points: int) -> None:
     (first, *_), rows = runs.values(), []
     last = first.deformation[-1]
     for (changed, value), run in runs.items():
-        walls = run.last.simulation.flow.problem.space.count
+        walls = run.last.flow.problem.space.count
         rows.append(
             (changed, f"{value}", f"{walls}", f"{run.deformation[-1]:.5f}",
              f"{run.deformation[-1] - last:+.1e}", f"{run.last.evaluations}",
@@ -180,7 +180,7 @@ def report_resolution(runs: Runs, points: int) -> None:
         )  # fmt: skip
     head = ("changed", "to", "wall points", f"D({first.last.time:g})", "difference",
             "evaluations", "CPU s")  # fmt: skip
-    width = first.last.simulation.flow.problem.boundary.bounds()[1, 1]
+    width = first.last.flow.problem.boundary.bounds()[1, 1]
     print(f"\nW = {width:g}, {points} points, length 10 W, 8 elements a half width, steps to 1e-4")
     print(cb.text_table(head, rows))
 
@@ -218,7 +218,7 @@ def report_drift(runs: dict[float, cb.History]) -> None:
 
 def draw_drift(folder: cb.RunFolder, runs: dict[float, cb.History]) -> None:
     (first, *_) = runs.values()
-    channel = first.last.simulation.flow.problem.boundary
+    channel = first.last.flow.problem.boundary
     tracks = {f"from y = {start:g}": run.track()[1] for start, run in runs.items()}
     cb.draw_trajectories(folder / "trajectories.png", channel, tracks)
 

@@ -6,7 +6,7 @@ from twice as many tell how far the numbers can be trusted.
 """
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 THESIS_GROWTH = 48.3  # percent
 

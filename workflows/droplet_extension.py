@@ -14,8 +14,8 @@ from pathlib import Path
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
-from cadbem.suspension.volume import centre
+from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.interface.volume import centre
 from cadbem.verification.theory import extension
 
 TRUE = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[

@@ -9,8 +9,8 @@ each step), and N = 96, its ground truth.  Ours moves points as if the body were
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
-from cadbem.suspension.mesh import turning
+from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.interface.mesh import turning
 
 
 def simulate(points: int, end: float, degree: int, capillary: float, **options) -> cb.History:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 from cadbem.verification.theory import cox
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[

@@ -9,7 +9,7 @@ finds its semi-axes wrong by 0.1461 % and 0.0203 %.
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 RADIUS = np.sqrt(4.7126 / np.pi)
 ASPECT = 1.5

@@ -10,7 +10,7 @@ from math import pi
 from pathlib import Path
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 GEOMETRY = Path(__file__).parents[1] / "geometries" / "t_junction.step"
 

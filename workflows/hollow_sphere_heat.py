@@ -12,7 +12,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots, fitted_order
+from cadbem.post.style.plots import Curve, Plot, draw_plots, fitted_order
 from cadbem.verification.heat import hollow_sphere
 
 HEAT = brentq(lambda c: c / 4 - (1 - c / 2) - ((2 - c / 2) ** 4 - 1), 0.0, 4.0, xtol=1e-15)

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 GEOMETRY = Path(__file__).parents[1] / "geometries" / "t_junction.step"
 

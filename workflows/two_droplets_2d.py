@@ -15,8 +15,8 @@ import numpy as np
 from droplet_between_plates_2d import between_plates, draw_motion, flux_across
 
 import cadbem as cb
-from cadbem.operators.closed_nearest import signed_distance
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.operators.closed.nearest import signed_distance
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 STARTS = {"pass": ((0.0, 0.0), (-2.5, 1.0)), "swap": ((-1.25, 0.25), (1.25, -0.25))}
 Centres = tuple[tuple[float, float], tuple[float, float]]
@@ -49,7 +49,7 @@ def gaps(run: cb.History) -> tuple[np.ndarray, np.ndarray]:
         curves = first.evaluate(around), second.evaluate(around)
         apart.append(signed_distance(second, curves[0]).min())
         heights.append(max(abs(curve[1]).max() for curve in curves))
-    flow = run.last.simulation.flow
+    flow = run.last.flow
     bounded = isinstance(flow, cb.ChannelFlow)
     half_width = flow.problem.boundary.bounds()[1, 1] if bounded else np.inf
     return np.array(apart), half_width - np.array(heights)
@@ -149,7 +149,7 @@ def draw(folder: Path, bounded: cb.History, free: cb.History) -> None:
     """Movie, film strip, paths, deformation and gaps of one start."""
     folder.mkdir()
     draw_motion(folder, bounded)
-    channel = bounded.last.simulation.flow.problem.boundary
+    channel = bounded.last.flow.problem.boundary
     runs = {"": bounded, ", unbounded": free}
     tracks = {f"droplet {n}{where}": run.track(n)[1] for where, run in runs.items() for n in (1, 2)}
     cb.draw_trajectories(folder / "trajectories.png", channel, tracks)

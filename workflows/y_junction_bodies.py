@@ -20,7 +20,7 @@ from pathlib import Path
 import numpy as np
 
 import cadbem as cb
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 GEOMETRY = Path(__file__).parents[1] / "geometries" / "y_junction.step"
 AXIS = 5 * np.sqrt(2)  # y of the outlet's centreline
@@ -133,7 +133,7 @@ def report(runs: dict[tuple, cb.History]) -> None:
         gap = min(state.gaps[0].length for state in run.states)
         size = r.points if kind == "droplet" else last.responses[0].traction.space.count
         rows.append([
-            kind, f"{last.simulation.flow.problem.space.count}", f"{size}",
+            kind, f"{last.flow.problem.space.count}", f"{size}",
             *(f"{c:.4f}" if b else "-" for c, b in zip(crossings, beyond, strict=True)),
             f"{gap:.3f}", f"{last.time:.3f}", f"{abs(centres[2] - 2).max():.1e}",
             f"{max(fluxes):.1e}", f"{last.evaluations}", f"{run.seconds:.0f}",

@@ -4,14 +4,14 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from cadbem.cad.export import write_patches as write_patches
+    from cadbem.cad.export.export import write_patches as write_patches
+    from cadbem.cad.export.write_model import write_cad as write_cad
     from cadbem.cad.plane import read_outline as read_outline
     from cadbem.cad.read import read_cad as read_cad
     from cadbem.cad.report import CadReport as CadReport
     from cadbem.cad.report import FaceReport as FaceReport
     from cadbem.cad.report import inspect_cad as inspect_cad
     from cadbem.cad.volume_mesh import mesh_volume as mesh_volume
-    from cadbem.cad.write import write_cad as write_cad
 
 _MODULES = {
     "CadReport": "report",
@@ -20,8 +20,8 @@ _MODULES = {
     "mesh_volume": "volume_mesh",
     "read_cad": "read",
     "read_outline": "plane",
-    "write_cad": "write",
-    "write_patches": "export",
+    "write_cad": "export.write_model",
+    "write_patches": "export.export",
 }
 
 

@@ -5,12 +5,12 @@ from __future__ import annotations
 import numpy as np
 from scipy.spatial import Delaunay
 
-from cadbem.cad.brep import BrepFace, EdgeUse
-from cadbem.cad.charts import PlaneChart, SurfaceChart, chart_of
-from cadbem.cad.defects import find_defects
-from cadbem.cad.face_geometry import sampled, world_curve
-from cadbem.cad.orientation import real_uses
-from cadbem.cad.region import Region, distance
+from cadbem.cad.body.defects import find_defects
+from cadbem.cad.body.orientation import real_uses
+from cadbem.cad.faces.face_geometry import sampled, world_curve
+from cadbem.cad.kernel.brep import BrepFace, EdgeUse
+from cadbem.cad.layout.charts import PlaneChart, SurfaceChart, chart_of
+from cadbem.cad.layout.region import Region, distance
 from cadbem.cad.survey import CadSurvey
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array

@@ -12,15 +12,15 @@ from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.cad.brep import BrepFace, read_brep
-from cadbem.cad.face_geometry import edge_points, is_planar, world_curve
-from cadbem.cad.kernel import import_model, section_model
-from cadbem.cad.marks import Unit
-from cadbem.cad.model import CadModel, file_unit, open_model
-from cadbem.cad.rings import Ring, regions, rings
+from cadbem.cad.body.model import CadModel, file_unit, open_model
+from cadbem.cad.faces.face_geometry import edge_points, is_planar, world_curve
+from cadbem.cad.faces.surfaces import smooth_pieces
+from cadbem.cad.kernel.brep import BrepFace, read_brep
+from cadbem.cad.kernel.process import import_model, section_model
+from cadbem.cad.layout.rings import Ring, regions, rings
 from cadbem.cad.sections import cut_faces, face_at
-from cadbem.cad.source import CadSource, read_source
-from cadbem.cad.surfaces import smooth_pieces
+from cadbem.cad.text.source import CadSource, read_source
+from cadbem.cad.text.unit import Unit
 from cadbem.errors import CadError, CadWarning
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs

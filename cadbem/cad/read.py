@@ -9,8 +9,8 @@ from warnings import warn
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.cad.layouts import TOLERANCE
-from cadbem.cad.model import CadModel, open_model
+from cadbem.cad.body.model import CadModel, open_model
+from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.errors import CadError, CadWarning
 from cadbem.progress import progress, stage
 

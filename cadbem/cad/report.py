@@ -11,13 +11,13 @@ from pathlib import Path
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.cad.brep import BrepFace
-from cadbem.cad.face_geometry import edge_points, points_on
-from cadbem.cad.flux import face_area, face_flux
-from cadbem.cad.gaps import largest_distance
-from cadbem.cad.layouts import TOLERANCE
-from cadbem.cad.model import CadModel
-from cadbem.cad.quality import jacobian_ratio, worst_angle
+from cadbem.cad.body.gaps import largest_distance
+from cadbem.cad.body.model import CadModel
+from cadbem.cad.faces.face_geometry import edge_points, points_on
+from cadbem.cad.faces.flux import face_area, face_flux
+from cadbem.cad.kernel.brep import BrepFace
+from cadbem.cad.layout.face_patches import TOLERANCE
+from cadbem.cad.layout.quality import jacobian_ratio, worst_angle
 from cadbem.cad.survey import CadSurvey, survey_cad
 from cadbem.errors import CadError
 from cadbem.progress import progress
@@ -127,7 +127,7 @@ def inspect_cad(
 
 
 def _examined(survey: CadSurvey, face: BrepFace) -> FaceReport:
-    model, mark = survey.model, survey.model.marks.get(face.number)
+    model, label = survey.model, survey.model.labels.get(face.number)
     report = FaceReport(
         number=face.number,
         name=model.names.get(face.number, ""),
@@ -136,8 +136,8 @@ def _examined(survey: CadSurvey, face: BrepFace) -> FaceReport:
         patches=0,
         area=nan,
         centre=tuple(model.centre(face).tolist()),
-        layer=mark.layer if mark else "",
-        colour=mark.colour if mark else "",
+        layer=label.layer if label else "",
+        colour=label.colour if label else "",
         exact_area=_exact(lambda: face_area(face)) / model.unit.millimetres**2,
     )
     if face.number in survey.refused:

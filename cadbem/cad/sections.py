@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cadbem.cad.brep import BrepFace
-from cadbem.cad.face_geometry import located, parameter_box, parameter_curves
-from cadbem.cad.rings import crossings, polyline
-from cadbem.cad.surfaces import surface_nurbs
+from cadbem.cad.faces.face_geometry import located, parameter_box, parameter_curves
+from cadbem.cad.faces.surfaces import surface_nurbs
+from cadbem.cad.kernel.brep import BrepFace
+from cadbem.cad.layout.rings import crossings, polyline
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs

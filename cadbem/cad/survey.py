@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.cad.layouts import TOLERANCE
-from cadbem.cad.model import CadModel, open_model
+from cadbem.cad.body.model import CadModel, open_model
+from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.cad.read import oriented
 from cadbem.errors import CadError
 from cadbem.progress import progress

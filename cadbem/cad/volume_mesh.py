@@ -6,9 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from cadbem.cad.kernel import mesh_model
-from cadbem.cad.model import file_unit
-from cadbem.cad.source import read_source
+from cadbem.cad.body.model import file_unit
+from cadbem.cad.kernel.process import mesh_model
+from cadbem.cad.text.source import read_source
 from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 

@@ -150,7 +150,7 @@ def _limit(cores: int) -> None:
     """Use so many cores, of linear algebra too, which reads its number when it is loaded."""
     for library in ("OPENBLAS", "OMP", "MKL"):
         os.environ[f"{library}_NUM_THREADS"] = str(cores)
-    from cadbem.operators.pool import CORES
+    from cadbem.operators.parallel import CORES
 
     CORES.set(cores)
 

@@ -10,13 +10,13 @@ from scipy.optimize import brentq
 
 from cadbem.errors import CadbemError, ConditionError
 from cadbem.spline.closed_shapes import spline_sphere
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import shear
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.interface import capillary_tension
-from cadbem.suspension.measures import taylor_deformation
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.state import State
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import capillary_tension
+from cadbem.suspension.multibody.measures import taylor_deformation
+from cadbem.suspension.surroundings.flows import shear
+from cadbem.suspension.surroundings.free_flow import FreeFlow
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.state import State
 
 WIDEN = 1.5  # factor by which a bracket grows
 WIDEST = 30  # times that it may

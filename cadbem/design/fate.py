@@ -6,9 +6,9 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from cadbem.spline.basis import Array
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.history import History, record
-from cadbem.suspension.simulation import Simulation
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.time.history import History, record
+from cadbem.suspension.time.simulation import Simulation
 
 
 @dataclass(frozen=True, eq=False)

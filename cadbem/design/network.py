@@ -14,7 +14,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError, SelectionError
-from cadbem.operators.storage import Storage
+from cadbem.operators.compressed.storage import Storage
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cadbem.design.starts import OPEN, Starts
+from cadbem.design.release_points import OPEN, Starts
 from cadbem.errors import ConditionError
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.profiles import Port, port
@@ -22,7 +22,7 @@ from cadbem.problems.solution import StokesSolution
 from cadbem.progress import progress
 from cadbem.quadrature import Quadrature
 from cadbem.spline.basis import Array
-from cadbem.suspension.stepping import dormand_prince
+from cadbem.suspension.time.stepping import dormand_prince
 from cadbem.units import check
 
 STRIDE = 0.5  # longest step, in widths of the narrowest opening

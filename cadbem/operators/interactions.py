@@ -3,8 +3,8 @@
 A pair of a target and a panel is *far* when the ball around the panel shows that a tensor rule of
 low order resolves it, *middle* when a tensor rule does by the distance to the closest point, *near*
 otherwise (then the rule is polar, see ``cadbem.quadrature.near``).  All three give nodes and
-weights; the kernel fills a table; the table times the weighted functions goes to a sink: matrix
-entries, or potentials of given densities.
+weights; the kernel fills a table; the table times the weighted functions goes to an
+accumulator: matrix entries, or potentials of given densities.
 """
 
 from __future__ import annotations
@@ -14,9 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Index, Kernel
+from cadbem.operators.accumulators import Accumulator
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import Panels
-from cadbem.operators.sinks import Sink
 from cadbem.operators.tensor import add_tensor, by_blocks
 from cadbem.quadrature import Rules, near
 from cadbem.quadrature.polar import WHOLE
@@ -60,16 +60,16 @@ def interact(
     patch: int,
     targets: Targets,
     quadrature: Rules,
-    sink: Sink,
+    accumulator: Accumulator,
 ) -> None:
-    """Add everything that ``patch`` does to ``targets`` to ``sink``."""
+    """Add everything that ``patch`` does to ``targets`` to ``accumulator``."""
     orders = quadrature.far_orders(max(panels.surface.degrees))
     level = panels.levels(targets.position, reaches(panels, orders, quadrature))
     for k, order in enumerate(orders):
         target, panel = by_blocks(level == k)
-        add_tensor(kernel, panels, order, targets.position, target, panel, sink)
+        add_tensor(kernel, panels, order, targets.position, target, panel, accumulator)
     close = by_blocks(level == len(orders))
-    _add_close(kernel, panels, patch, targets, close, quadrature, sink)
+    _add_close(kernel, panels, patch, targets, close, quadrature, accumulator)
 
 
 def interact_pairs(
@@ -79,9 +79,9 @@ def interact_pairs(
     targets: Targets,
     pairs: tuple[Index, Index],
     quadrature: Rules,
-    sink: Sink,
+    accumulator: Accumulator,
 ) -> None:
-    """Add what panels do to targets to ``sink``, for given pairs (targets, panels) alone."""
+    """Add what panels do to targets to ``accumulator``, for given pairs (targets, panels) alone."""
     by_panel = np.argsort(pairs[1], kind="stable")
     target, panel = pairs[0][by_panel], pairs[1][by_panel]
     orders = quadrature.far_orders(max(panels.surface.degrees))
@@ -90,9 +90,9 @@ def interact_pairs(
     level = (away < reaches(panels, orders, quadrature)[:, panel]).sum(axis=0)
     for k, order in enumerate(orders):
         far = target[level == k], panel[level == k]
-        add_tensor(kernel, panels, order, targets.position, *far, sink)
+        add_tensor(kernel, panels, order, targets.position, *far, accumulator)
     rest = level == len(orders)
-    _add_close(kernel, panels, patch, targets, (target[rest], panel[rest]), quadrature, sink)
+    _add_close(kernel, panels, patch, targets, (target[rest], panel[rest]), quadrature, accumulator)
 
 
 def _add_close(
@@ -102,13 +102,13 @@ def _add_close(
     targets: Targets,
     pairs: tuple[Index, Index],
     quadrature: Rules,
-    sink: Sink,
+    accumulator: Accumulator,
 ) -> None:
     """Add pairs that may be too close for the lowest of the rule's orders."""
     close = _Close.of(panels, patch, targets, quadrature, *pairs)
     for k in range(len(close.orders)):
-        close.add(kernel, k, targets, sink)
-    _near(kernel, panels, targets, close, quadrature, sink)
+        close.add(kernel, k, targets, accumulator)
+    _near(kernel, panels, targets, close, quadrature, accumulator)
 
 
 def mend(
@@ -117,24 +117,24 @@ def mend(
     patch: int,
     targets: Targets,
     quadrature: Rules,
-    sink: Sink,
-    against: Sink,
+    accumulator: Accumulator,
+    against: Accumulator,
 ) -> None:
     """Replace the lowest tensor rule where it is not good enough.
 
-    What it gives for pairs that are too close goes to ``against``, a sink that takes away; the
-    right contributions go to ``sink``.
+    What it gives for pairs that are too close goes to ``against``, an accumulator that takes
+    away; the right contributions go to ``accumulator``.
     """
     degree = max(panels.surface.degrees)
     lowest = quadrature.orders(degree)[0]
     level = panels.levels(targets.position, reaches(panels, (lowest,), quadrature))
     close = _Close.of(panels, patch, targets, quadrature, *by_blocks(level > 0))
     for k in range(1, len(close.orders)):
-        close.add(kernel, k, targets, sink)
+        close.add(kernel, k, targets, accumulator)
     bad = close.level > 0
     pairs = close.target[bad], close.panel[bad]
     add_tensor(kernel, panels, lowest, targets.position, *pairs, against)
-    _near(kernel, panels, targets, close, quadrature, sink)
+    _near(kernel, panels, targets, close, quadrature, accumulator)
 
 
 @dataclass(frozen=True, eq=False)
@@ -172,11 +172,11 @@ class _Close:
             level += ratio < quadrature.reach(order, degree)
         return cls(panels, orders, target, panel, closest, level)
 
-    def add(self, kernel: Kernel, level: int, targets: Targets, sink: Sink) -> None:
+    def add(self, kernel: Kernel, level: int, targets: Targets, accumulator: Accumulator) -> None:
         """Add the pairs of one of the orders."""
         here = self.level == level
         pairs, order = (self.target[here], self.panel[here]), self.orders[level]
-        add_tensor(kernel, self.panels, order, targets.position, *pairs, sink)
+        add_tensor(kernel, self.panels, order, targets.position, *pairs, accumulator)
 
 
 def _closest(
@@ -203,7 +203,7 @@ def _near(
     targets: Targets,
     close: _Close,
     quadrature: Rules,
-    sink: Sink,
+    accumulator: Accumulator,
 ) -> None:
     left = close.level == len(close.orders)
     close_target, close_panel = close.target[left], close.panel[left]
@@ -235,11 +235,13 @@ def _near(
         table = kernel.rows_of(here, part, position, normal)
         moments = np.empty((count, kernel.entries, p + 1, q + 1))
         near.moments(part, table, weight, bu, bv, moments)
-        _add_moments(panels, rows, close_panel[done : done + count], moments, sink)
+        _add_moments(panels, rows, close_panel[done : done + count], moments, accumulator)
         done += count
 
 
-def _add_moments(panels: Panels, rows: Index, panel: Index, moments: Array, sink: Sink) -> None:
+def _add_moments(
+    panels: Panels, rows: Index, panel: Index, moments: Array, accumulator: Accumulator
+) -> None:
     """From Bernstein moments to the patch's rational functions."""
     a, b = np.divmod(panel, panels.shape[1])
     first_u, first_v = panels.first[0][a], panels.first[1][b]
@@ -250,4 +252,4 @@ def _add_moments(panels: Panels, rows: Index, panel: Index, moments: Array, sink
     u = (first_u[:, None] + np.arange(p + 1))[:, :, None]
     v = (first_v[:, None] + np.arange(q + 1))[:, None, :]
     values *= panels.surface.weights[u, v][:, None]
-    sink.pairs(rows, first_u, first_v, values)
+    accumulator.pairs(rows, first_u, first_v, values)

@@ -9,10 +9,10 @@ from itertools import product
 import numpy as np
 
 from cadbem.kernels.kernel import Kernel
+from cadbem.operators.accumulators import MatrixAccumulator
 from cadbem.operators.interactions import Targets, interact
 from cadbem.operators.panels import Panels, split_patch
-from cadbem.operators.pool import run_tasks
-from cadbem.operators.sinks import MatrixSink
+from cadbem.operators.parallel import run_tasks
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
@@ -86,8 +86,8 @@ def assemble_layers(kernel: Kernel, space: Space, targets: Targets, quadrature: 
     def work(_: int, task: Task) -> None:
         patch, panels, rows = task
         columns, offset = panels.surface.weights.shape[1], space.functions(patch).start
-        sink = MatrixSink(entries, columns, rows.start, offset)
-        interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
+        accumulator = MatrixAccumulator(entries, columns, rows.start, offset)
+        interact(kernel, panels, patch, targets.part(rows), quadrature, accumulator)
 
     run_tasks(work, tasks(space, targets.count), "boundary integrals")
     return Layers(kernel, space, entries)
@@ -104,8 +104,8 @@ def assemble_patch(
 
     def work(_: int, task: Task) -> None:
         _, panels, rows = task
-        sink = MatrixSink(entries, panels.surface.weights.shape[1], rows.start)
-        interact(kernel, panels, patch, targets.part(rows), quadrature, sink)
+        accumulator = MatrixAccumulator(entries, panels.surface.weights.shape[1], rows.start)
+        interact(kernel, panels, patch, targets.part(rows), quadrature, accumulator)
 
     run_tasks(work, jobs, "boundary integrals")
     return entries

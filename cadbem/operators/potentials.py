@@ -15,12 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Kernel, Sums
+from cadbem.operators.accumulators import PotentialAccumulator, Record
 from cadbem.operators.interactions import Targets, interact, mend
 from cadbem.operators.layers import Task, tasks
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
-from cadbem.operators.pool import run_tasks
-from cadbem.operators.sinks import PotentialSink, Record
+from cadbem.operators.parallel import run_tasks
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
@@ -47,20 +47,22 @@ class Potentials:
             densities = [
                 np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
             ]
-            sink = self._sink(np.zeros((self.kernel.rows, rows.stop - rows.start)), densities)
+            accumulator = self._sink(
+                np.zeros((self.kernel.rows, rows.stop - rows.start)), densities
+            )
             if self.kernel.sums is None:
                 here = self.targets.part(rows)
-                interact(self.kernel, panels, patch, here, self.quadrature, sink)
+                interact(self.kernel, panels, patch, here, self.quadrature, accumulator)
             else:
-                self._sum(self.kernel.sums, self._parts[k], task, densities, sink.result)
-                records[k].replay(sink)
-            results[patch][:, rows] = sink.result
+                self._sum(self.kernel.sums, self._parts[k], task, densities, accumulator.result)
+                records[k].replay(accumulator)
+            results[patch][:, rows] = accumulator.result
 
         run_tasks(work, self._tasks, "fields")
         return results.sum(axis=0)
 
-    def _sink(self, result: Array, densities: Sequence[Array]) -> PotentialSink:
-        return PotentialSink(result, (self.kernel.single, self.kernel.double), densities)
+    def _sink(self, result: Array, densities: Sequence[Array]) -> PotentialAccumulator:
+        return PotentialAccumulator(result, (self.kernel.single, self.kernel.double), densities)
 
     @cached_property
     def _tasks(self) -> list[Task]:

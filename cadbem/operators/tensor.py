@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Index, Kernel
+from cadbem.operators.accumulators import Accumulator
 from cadbem.operators.panels import Panels, tensor_nodes
-from cadbem.operators.sinks import Sink
 from cadbem.spline.basis import Array
 
 TABLE = 8192  # nodes a table, to stay in cache
@@ -31,7 +31,7 @@ def add_tensor(
     position: Array,
     target: Index,
     panel: Index,
-    sink: Sink,
+    accumulator: Accumulator,
 ) -> None:
     """Add what panels do to targets at ``position`` (dim, T) by the tensor rule of ``order``.
 
@@ -55,7 +55,7 @@ def add_tensor(
         values = room[: len(rows)]
         _products(part, functions, places[here], values.reshape(*values.shape[:2], -1))
         a, b = np.divmod(here, panels.shape[1])
-        sink.pairs(rows, panels.first[0][a], panels.first[1][b], values)
+        accumulator.pairs(rows, panels.first[0][a], panels.first[1][b], values)
 
 
 def _products(table: Array, functions: Array, number: Index, values: Array) -> None:

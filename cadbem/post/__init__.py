@@ -1,21 +1,21 @@
 """Pictures and files of boundaries and flows."""
 
-from cadbem.post.bezier import bezier_grid
-from cadbem.post.display import require_display
-from cadbem.post.droplets import draw_droplets, draw_outlines, write_droplets
-from cadbem.post.export import write_mesh, write_vtu
-from cadbem.post.fields import edge_lines, tessellated, wall_stresses
-from cadbem.post.frames import Frame
-from cadbem.post.movie import draw_movie, draw_scene, filmstrip
-from cadbem.post.paths import draw_paths
-from cadbem.post.series import write_channel, write_frame, write_frames, write_index
-from cadbem.post.time_series import draw_series
-from cadbem.post.trajectories import draw_trajectories
-from cadbem.post.view_around import draw_around
-from cadbem.post.view_boundary import draw_boundary, draw_collocation
-from cadbem.post.view_flow import draw_flow, draw_slices, draw_streamlines
-from cadbem.post.view_walls import draw_traction
-from cadbem.post.volume import volume_grid
+from cadbem.post.bodies.droplets import draw_droplets, draw_outlines, write_droplets
+from cadbem.post.bodies.movie import draw_movie, draw_scene, filmstrip
+from cadbem.post.bodies.paths import draw_paths
+from cadbem.post.bodies.series import write_channel, write_frame, write_frames, write_index
+from cadbem.post.bodies.time_series import draw_series
+from cadbem.post.bodies.trajectories import draw_trajectories
+from cadbem.post.channel.view_around import draw_around
+from cadbem.post.channel.view_boundary import draw_boundary, draw_collocation
+from cadbem.post.channel.view_flow import draw_flow, draw_slices, draw_streamlines
+from cadbem.post.channel.view_walls import draw_traction
+from cadbem.post.fields.bezier import bezier_grid
+from cadbem.post.fields.cells import edge_lines, tessellated, wall_stresses
+from cadbem.post.fields.frames import Frame
+from cadbem.post.fields.volume import volume_grid
+from cadbem.post.files.export import write_mesh, write_vtu
+from cadbem.post.style.display import require_display
 
 __all__ = [
     "Frame",

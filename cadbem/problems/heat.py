@@ -2,42 +2,31 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from functools import cached_property
+from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import block_diag
 
-from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
-from cadbem.kernels.kernel import Kernel
-from cadbem.operators.compressed_layers import CompressedLayers, own_layers
-from cadbem.operators.layers import Layers, collocation_targets
+from cadbem.operators.layers import collocation_targets
 from cadbem.operators.potentials import Potentials
-from cadbem.operators.storage import Storage
 from cadbem.problems.heat_conditions import (
-    HeatCondition,
-    HeatFlux,
     SurfaceExchange,
-    Temperature,
     split_heat,
 )
+from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_solution import HeatSolution
-from cadbem.problems.heat_source import Source, SourceKernels, laplace_kernel, source_kernels
-from cadbem.problems.mixed import MixedSystem, check_names
-from cadbem.quadrature.options import Quadrature
-from cadbem.space import Field, Space, discontinuous_space
+from cadbem.problems.mixed import MixedSystem
+from cadbem.space import Field
 from cadbem.spline.basis import Array
 
-KINDS = (Temperature, HeatFlux, SurfaceExchange)
 UPDATE = 1e-13  # Newton stops when the update is so small against what it is a difference of
 MOST_STEPS = 100
 BELOW_ZERO = 1e-3  # share of the largest value that may be lost to discretisation
 
 
 @dataclass(frozen=True, eq=False)
-class HeatProblem:
+class HeatProblem(HeatEquations):
     """k ∇²φ + b = 0 in a ``boundary`` of curves or surfaces whose normals point into the body.
 
     ``conductivity`` k > 0; ``conditions`` one a name of the boundary; ``source`` b, heat per
@@ -47,52 +36,6 @@ class HeatProblem:
     that is left open, and, when solved, for a source that varies too fast, or radiation that finds
     no balance above absolute zero.
     """
-
-    boundary: Boundary
-    conductivity: float
-    conditions: Mapping[str, HeatCondition]
-    source: Source | None = None
-    quadrature: Quadrature = field(default_factory=Quadrature)
-    storage: Storage | None = None
-
-    def __post_init__(self) -> None:
-        if not self.conductivity > 0:
-            raise ConditionError(f"conductivity is {self.conductivity}; it must be positive")
-        check_names(self.boundary, self.conditions, KINDS)
-        if all(isinstance(c, HeatFlux) for c in self.conditions.values()):
-            names = ", ".join(f"'{n}'" for n in self.boundary.names)
-            raise ConditionError(
-                f"only heat fluxes are given, so the temperature is open; give one of {names} "
-                "a Temperature or a SurfaceExchange"
-            )
-
-    @property
-    def size(self) -> float:
-        """Diagonal of the box around the body."""
-        low, high = self.boundary.bounds()
-        return float(np.linalg.norm(high - low))
-
-    @cached_property
-    def space(self) -> Space:
-        """Unknowns and collocation points."""
-        return discontinuous_space(self.boundary)
-
-    @cached_property
-    def kernel(self) -> Kernel:
-        """Fundamental solution of Laplace's equation, positive in this body."""
-        return laplace_kernel(self.boundary.dimension, self.size)
-
-    @cached_property
-    def source_kernels(self) -> SourceKernels | None:
-        """Kernels whose potentials are those of the source, if there is one."""
-        if self.source is None:
-            return None
-        return source_kernels(self.source, self.space, self.size, self.quadrature.tolerance)
-
-    @cached_property
-    def layers(self) -> Layers | CompressedLayers:
-        """Both layers at the collocation points."""
-        return own_layers(self.kernel, self.space, self.quadrature, self.storage)
 
     def solve(self) -> HeatSolution:
         """Temperature and heat flux on the boundary, whence everything else follows.

@@ -4,21 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.kernels.kernel import Kernel
 from cadbem.points import surface_points
+from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_source import gradient_kernel, total_source
 from cadbem.problems.mixed import patches_named, represent
 from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
-
-if TYPE_CHECKING:
-    from cadbem.problems.heat import HeatProblem
 
 FINER = 1e3  # how much finer gradients are integrated
 
@@ -27,7 +24,7 @@ FINER = 1e3  # how much finer gradients are integrated
 class HeatSolution:
     """``temperature`` and ``flux``, heat into the body per area, as scalar fields (1, ·)."""
 
-    problem: HeatProblem
+    problem: HeatEquations
     temperature: Field
     flux: Field
 

@@ -16,9 +16,9 @@ from numpy.typing import ArrayLike
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError, SelectionError, ShapeError
 from cadbem.kernels.kernel import Kernel
-from cadbem.operators.compressed_layers import CompressedLayers
+from cadbem.operators.compressed.iterate import Iteration
+from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.interactions import Targets
-from cadbem.operators.iterate import Iteration
 from cadbem.operators.layers import Layers
 from cadbem.operators.locate import locate
 from cadbem.operators.potentials import Potentials

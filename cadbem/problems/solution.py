@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,13 +13,11 @@ from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.potentials import Potentials
 from cadbem.points import moment
 from cadbem.problems.conditions import Background
+from cadbem.problems.equations import StokesEquations
 from cadbem.problems.mixed import patches_named, represent
 from cadbem.quadrature import Rules
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
-
-if TYPE_CHECKING:
-    from cadbem.problems.stokes import StokesProblem
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +25,7 @@ class StokesSolution:
     """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, on top of
     a ``background`` flow; the ``iterations`` that it took, 0 if solved at once."""
 
-    problem: StokesProblem
+    problem: StokesEquations
     velocity: Field
     traction: Field
     background: Background

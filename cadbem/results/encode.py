@@ -1,4 +1,4 @@
-"""States, moments and shapes as HDF5, to the last bit."""
+"""States, checkpoints and shapes as HDF5, to the last bit."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ from cadbem.files import write_whole
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 from cadbem.spline.nurbs import Nurbs
-from cadbem.suspension.body import Body
-from cadbem.suspension.moment import Moment
-from cadbem.suspension.particle import RigidParticle
-from cadbem.suspension.pose import Pose
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.state import State
+from cadbem.suspension.bodies.body import Body
+from cadbem.suspension.bodies.particle import RigidParticle
+from cadbem.suspension.rigid.pose import Pose
+from cadbem.suspension.time.checkpoint import Checkpoint
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.state import State
 
 Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
@@ -72,7 +72,7 @@ def read_state(place: h5py.Group, simulation: Simulation) -> State:
     starts = simulation.start.bodies
     guess = place.get("guess", {})
     return State(
-        simulation,
+        simulation.environment,
         bodies=tuple(starts[n - 1].at(place[f"body_{n}/coordinates"][:]) for n in numbers),
         numbers=numbers,
         left={int(n): text for n, text in json.loads(place.attrs["left"]).items()},
@@ -81,17 +81,17 @@ def read_state(place: h5py.Group, simulation: Simulation) -> State:
     )
 
 
-def write_moment(place: h5py.Group, moment: Moment) -> None:
-    """A moment, from which the run can go on."""
-    write_state(place.create_group("state"), moment.state)
-    place["slope"] = moment.slope
-    place.attrs["length"] = moment.length
+def write_checkpoint(place: h5py.Group, checkpoint: Checkpoint) -> None:
+    """A checkpoint, from which the run can go on."""
+    write_state(place.create_group("state"), checkpoint.state)
+    place["slope"] = checkpoint.slope
+    place.attrs["length"] = checkpoint.length
 
 
-def read_moment(place: h5py.Group, simulation: Simulation) -> Moment:
-    """The moment of a simulation."""
+def read_checkpoint(place: h5py.Group, simulation: Simulation) -> Checkpoint:
+    """The checkpoint of a simulation."""
     state = read_state(place["state"], simulation)
-    return Moment(state, place["slope"][:], float(place.attrs["length"]))
+    return Checkpoint(state, place["slope"][:], float(place.attrs["length"]))
 
 
 def write_fields(place: h5py.Group, fields: Fields) -> None:

@@ -13,9 +13,9 @@ from typing import Any
 from cadbem.errors import ResultsError
 from cadbem.files import fresh_folder, read_json, told, write_json, write_whole
 from cadbem.progress import STAGES, notice
-from cadbem.results.asked import asked_by
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.state import State
+from cadbem.results.manifest import asked_by
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.state import State
 
 ASKED, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
 

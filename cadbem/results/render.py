@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cadbem.post.frames import extent_of
-from cadbem.post.movie import draw_movie, filmstrip
-from cadbem.post.time_series import draw_series
-from cadbem.post.trajectories import draw_trajectories
+from cadbem.post.bodies.movie import draw_movie, filmstrip
+from cadbem.post.bodies.time_series import draw_series
+from cadbem.post.bodies.trajectories import draw_trajectories
+from cadbem.post.fields.frames import extent_of
 from cadbem.results.store import CHECKPOINT
 from cadbem.results.stored import StoredRun, open_run
 from cadbem.spline.basis import Array

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from cadbem.post.frames import Frame
+from cadbem.post.fields.frames import Frame
 from cadbem.spline.basis import Array
-from cadbem.suspension.channel_flow import ChannelFlow
-from cadbem.suspension.droplet import Droplet, PlacedDroplet
-from cadbem.suspension.measures import Measures
-from cadbem.suspension.particle import RigidParticle
-from cadbem.suspension.state import State
+from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet
+from cadbem.suspension.bodies.particle import RigidParticle
+from cadbem.suspension.multibody.measures import Measures
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
+from cadbem.suspension.time.state import State
 
 Row = dict[str, Any]
 AXES = "xyz"
@@ -35,7 +35,7 @@ def run_row(state: State, seconds: float) -> Row:
         "iterations": max((r.iterations for r in state.responses), default=0),
         "cpu_seconds": seconds,
     }
-    flow = state.simulation.flow
+    flow = state.flow
     if isinstance(flow, ChannelFlow):
         for name in flow.problem.openings:
             row[f"pressure {name}"] = state.walls.mean_pressure(name)

@@ -25,25 +25,25 @@ from cadbem.files import (
     write_at,
     write_json,
 )
-from cadbem.post.series import write_channel, write_frame, write_index
+from cadbem.post.bodies.series import write_channel, write_frame, write_index
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
     Rest,
     Writing,
-    read_moment,
+    read_checkpoint,
     read_state,
     reading,
     write_boundary,
+    write_checkpoint,
     write_fields,
-    write_moment,
     write_rest,
     write_state,
 )
 from cadbem.results.series import body_rows, frame_of, run_row
-from cadbem.suspension.channel_flow import ChannelFlow
-from cadbem.suspension.moment import Moment
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.state import State
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
+from cadbem.suspension.time.checkpoint import Checkpoint
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.state import State
 
 ASKED, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
 FRAMES, PARAVIEW = "frames", "paraview"
@@ -88,28 +88,28 @@ class Store:
             )
 
     def _rest(
-        self, end: float, every: float | None, since: Moment | None, progress: Progress
+        self, end: float, every: float | None, since: Checkpoint | None, progress: Progress
     ) -> Iterator[State]:
         """What is still to be done."""
         reached = since.state.time if since else 0.0
         started = time.process_time() - progress.seconds
         try:
-            for states, moment in self.simulation.advance(end, every, since):
+            for states, checkpoint in self.simulation.advance(end, every, since):
                 progress = replace(progress, seconds=time.process_time() - started)
                 for state in states:
                     progress = self._keep(state, progress)
-                self._checkpoint(moment, progress)
-                reached = moment.state.time
+                self._checkpoint(checkpoint, progress)
+                reached = checkpoint.state.time
                 yield from states
-                if moment.state.stopped:
-                    self.note(f"ended: {moment.state.stopped}")
+                if checkpoint.state.stopped:
+                    self.note(f"ended: {checkpoint.state.stopped}")
         except BaseException as error:
             why = "interrupted" if isinstance(error, KeyboardInterrupt | GeneratorExit) else error
             self.note(f"stopped at t = {reached:.6g}: {why}")
             raise
         self.note(f"done at t = {reached:.6g}, {len(progress.times)} frames")
 
-    def _begun(self, every: float | None) -> tuple[Moment, Progress] | None:
+    def _begun(self, every: float | None) -> tuple[Checkpoint, Progress] | None:
         """Where an earlier run of the same simulation ended; begins one if there was none.
 
         Raises ``ResultsError`` when it was another simulation.
@@ -125,7 +125,7 @@ class Store:
                 )
         if checkpoint.exists():
             with reading(checkpoint) as place:
-                return read_moment(place, self.simulation), Progress.read(place)
+                return read_checkpoint(place, self.simulation), Progress.read(place)
         self._begin(asked)
         return None
 
@@ -162,9 +162,9 @@ class Store:
             sizes.append(write_at(self.folder / name, size, csv_lines(part, head, not size)))
         return replace(progress, times=times, columns=heads, sizes=tuple(sizes))
 
-    def _checkpoint(self, moment: Moment, progress: Progress) -> None:
+    def _checkpoint(self, checkpoint: Checkpoint, progress: Progress) -> None:
         with Writing(self.folder / CHECKPOINT) as place:
-            write_moment(place, moment)
+            write_checkpoint(place, checkpoint)
             progress.write(place)
 
 

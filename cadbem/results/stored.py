@@ -13,7 +13,7 @@ import numpy as np
 from cadbem.boundary import Boundary
 from cadbem.errors import ResultsError
 from cadbem.files import told
-from cadbem.post.frames import Frame
+from cadbem.post.fields.frames import Frame
 from cadbem.results.encode import Rest, read_boundary, read_fields, read_rest, reading
 from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
 from cadbem.spline.basis import Array

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from cadbem.files import csv_lines, names_of, write_whole
-from cadbem.post.plots import Curve, Plot, draw_plots
+from cadbem.post.style.plots import Curve, Plot, draw_plots
 from cadbem.sweep.point import Point
 
 SIDE_BY_SIDE = 3  # plots in a picture

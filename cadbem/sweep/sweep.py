@@ -12,7 +12,7 @@ from typing import Any
 
 from cadbem.errors import CadbemError
 from cadbem.files import fresh_folder, locked, read_json, write_json
-from cadbem.operators.pool import CORES
+from cadbem.operators.parallel import CORES
 from cadbem.progress import notice, progress
 from cadbem.sweep.engines import Outcome, on_a_cluster, on_this_machine
 from cadbem.sweep.point import Point

@@ -11,14 +11,14 @@ from functools import cache, partial
 import numpy as np
 
 from cadbem.spline.closed_shapes import spline_sphere
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import shear
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.history import History, record
-from cadbem.suspension.interface import capillary_tension
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.stepping import Adaptive
-from cadbem.suspension.surroundings import Surroundings
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import capillary_tension
+from cadbem.suspension.surroundings.flows import shear
+from cadbem.suspension.surroundings.free_flow import FreeFlow
+from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.history import History, record
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.stepping import Adaptive
 from cadbem.verification.check import Check
 from cadbem.verification.plates import between_plates
 from cadbem.verification.theory import shapira_haber

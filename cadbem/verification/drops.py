@@ -12,15 +12,15 @@ from functools import cache, partial
 import numpy as np
 
 from cadbem.spline.closed_shapes import spline_sphere
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import shear, uniaxial_extension
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.history import History, record
-from cadbem.suspension.interface import capillary_tension
-from cadbem.suspension.measures import inclination
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.stepping import Adaptive
-from cadbem.suspension.volume import CorrectVolume
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import capillary_tension
+from cadbem.suspension.interface.volume import CorrectVolume
+from cadbem.suspension.multibody.measures import inclination
+from cadbem.suspension.surroundings.flows import shear, uniaxial_extension
+from cadbem.suspension.surroundings.free_flow import FreeFlow
+from cadbem.suspension.time.history import History, record
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.stepping import Adaptive
 from cadbem.verification.check import Check
 from cadbem.verification.theory import extension
 

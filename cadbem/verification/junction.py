@@ -23,10 +23,10 @@ from cadbem.quadrature import Quadrature
 from cadbem.spline.closed_shapes import spline_sphere
 from cadbem.spline.nurbs import Nurbs
 from cadbem.spline.shapes import parallelogram
-from cadbem.suspension.channel_flow import ChannelFlow
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.interface import capillary_tension
-from cadbem.suspension.simulation import Simulation
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import capillary_tension
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
+from cadbem.suspension.time.simulation import Simulation
 from cadbem.verification.check import Check
 
 ROOT = np.sqrt(2)

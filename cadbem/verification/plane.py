@@ -13,14 +13,14 @@ import numpy as np
 
 from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.closed_shapes import spline_circle, spline_ellipse
-from cadbem.suspension.droplet import Droplet
-from cadbem.suspension.flows import at_rest, shear
-from cadbem.suspension.free_flow import FreeFlow
-from cadbem.suspension.history import History, record
-from cadbem.suspension.interface import SurfaceTension, capillary_tension, thesis_tension_2d
-from cadbem.suspension.simulation import Simulation
-from cadbem.suspension.stepping import Adaptive
-from cadbem.suspension.surroundings import Surroundings
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.laws import SurfaceTension, capillary_tension, thesis_tension_2d
+from cadbem.suspension.surroundings.flows import at_rest, shear
+from cadbem.suspension.surroundings.free_flow import FreeFlow
+from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.history import History, record
+from cadbem.suspension.time.simulation import Simulation
+from cadbem.suspension.time.stepping import Adaptive
 from cadbem.verification.check import Check
 from cadbem.verification.plates import between_plane_plates
 from cadbem.verification.theory import far_plates

@@ -10,7 +10,7 @@ from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import plate
-from cadbem.suspension.channel_flow import ChannelFlow
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 
 
 def between_plates(half_width: float, side: float, spans: int, rings: int) -> ChannelFlow:

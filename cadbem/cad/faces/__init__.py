@@ -1,0 +1,1 @@
+"""One face of the model: its BREP record in; surface, edges and areas as exact NURBS out."""

@@ -1,0 +1,1 @@
+"""The CAD kernel in a process of its own: a file in; its BREP record as values out."""

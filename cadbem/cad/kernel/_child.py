@@ -1,0 +1,267 @@
+"""The CAD kernel at work, in a process of its own: it may print, crash or hang.
+
+Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
+ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)
+or "void" (the solids' box without the solids); `_child.py section INPUT FOLDER PLANE` makes plane
+figures. Writes `model.json` with what was
+found, and `model.brep` (faces, exactly) or `mesh.npz` (tetrahedra) into the folder. Imports
+nothing from the project, so that it starts quickly.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from runpy import run_path
+
+SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
+SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
+REMEDIES = (
+    {"fixSmallFaces": True},
+    {"fixSmallEdges": True, "sewFaces": True},
+    {"fixSmallEdges": True, "fixSmallFaces": True, "sewFaces": True},
+)
+
+
+def main(task: str, source: str, folder: str, option: str) -> None:
+    import gmsh
+
+    gmsh.initialize(interruptible=False, readConfigFiles=False)
+    gmsh.option.setNumber("General.Verbosity", 2)
+    try:
+        found = _section(gmsh, source, option) if task == "section" else _import(gmsh, source)
+        if task == "section":
+            gmsh.write(str(Path(folder, "model.brep")))
+        elif task == "record":
+            found |= _prepared(gmsh, option)
+            if found["faces"]:
+                gmsh.write(str(Path(folder, "model.brep")))
+        elif len(found["solids"]) == 1:
+            _mesh(gmsh, float(option), Path(folder, "mesh.npz"))
+    except Exception as error:  # whatever the kernel throws, the parent words it
+        found = {"error": str(error)}
+    Path(folder, "model.json").write_text(json.dumps(found))
+    gmsh.finalize()
+
+
+def _import(gmsh, source: str) -> dict:
+    _load(gmsh, source)
+    sewing = 0.0
+    if gmsh.model.getEntities(2) and not gmsh.model.getEntities(3):
+        sewing = _sew(gmsh, source)
+    healed = _repair(gmsh, source, sewing) if gmsh.model.getEntities(3) else []
+    return _found(gmsh) | {"sewn": sewing > 0, "healed": healed}
+
+
+def _found(gmsh) -> dict:
+    return {
+        "faces": len(gmsh.model.getEntities(2)),
+        "curves": len(gmsh.model.getEntities(1)),
+        "solids": [gmsh.model.getEntityName(*solid) for solid in gmsh.model.getEntities(3)],
+    }
+
+
+def _load(gmsh, source: str) -> None:
+    gmsh.clear()
+    gmsh.model.occ.importShapes(source, highestDimOnly=False)
+    gmsh.model.occ.synchronize()
+
+
+def _heal(gmsh, source: str, tolerance: float, remedies: dict) -> None:
+    """The file read again, and healed as a whole: given one by one, faces would not be joined."""
+    _load(gmsh, source)
+    off = dict.fromkeys(("fixDegenerated", "fixSmallEdges", "fixSmallFaces", "sewFaces"), False)
+    if any(remedies.values()):
+        gmsh.model.occ.healShapes([], tolerance=tolerance, makeSolids=True, **(off | remedies))
+        gmsh.model.occ.synchronize()
+
+
+def _size(gmsh) -> float:
+    box = gmsh.model.getBoundingBox(-1, -1)
+    return max(high - low for low, high in zip(box[:3], box[3:], strict=True))
+
+
+# Sewing and repair: only what is needed, and only if it makes nothing worse
+
+
+def _sew(gmsh, source: str) -> float:
+    """Join loose faces into solids, or at least to each other. The smallest tolerance (returned)
+    that does best is taken, 0 if faces are as well off as they were."""
+    size = _size(gmsh)
+    found = [(_looseness(gmsh), 0.0)]
+    for tolerance in SEWING:
+        _heal(gmsh, source, tolerance * size, {"sewFaces": True})
+        found.append((_looseness(gmsh), tolerance * size))
+        if gmsh.model.getEntities(3) and not _loose_faces(gmsh):
+            break
+    best = min(found)[1]
+    _heal(gmsh, source, best, {"sewFaces": best > 0})
+    return best
+
+
+def _looseness(gmsh) -> tuple[bool, int, int]:
+    """Whether there is no solid, faces of none, edges of one face: seams, too."""
+    alone = sum(
+        len(gmsh.model.getAdjacencies(1, tag)[0]) == 1 for _, tag in gmsh.model.getEntities(1)
+    )
+    return not gmsh.model.getEntities(3), _loose_faces(gmsh), alone
+
+
+def _loose_faces(gmsh) -> int:
+    faces = gmsh.model.getEntities(2)
+    return sum(not len(gmsh.model.getAdjacencies(2, tag)[0]) for _, tag in faces)
+
+
+def _repair(gmsh, source: str, sewing: float) -> list[str]:
+    """Remove edges and faces that are too small to be meant; [] if there are none, or if no
+    remedy leaves a model that is as good. `sewing` is the tolerance it has been sewn with, or 0."""
+    tolerance = SMALL * _size(gmsh)
+    before = _health(gmsh, tolerance)
+    if not before["short"] + before["narrow"]:
+        return []
+    sewn = {"sewFaces": sewing > 0}
+    for remedies in REMEDIES:
+        _heal(gmsh, source, max(tolerance, sewing), sewn | remedies)
+        after = _health(gmsh, tolerance)
+        if _is_better(before, after, tolerance):
+            counts = (f"{before[what]} {what} became {after[what]}" for what in ("faces", "edges"))
+            return [
+                f"{before['short']} edges shorter and {before['narrow']} faces narrower than "
+                f"{tolerance:.1g} mm were removed ({', '.join(counts)})"
+            ]
+    _heal(gmsh, source, sewing, sewn)
+    return []
+
+
+def _health(gmsh, tolerance: float) -> dict:
+    """Counts, volume and area of the model, and of what is smaller than the tolerance."""
+    occ, model = gmsh.model.occ, gmsh.model
+    lengths = {tag: occ.getMass(1, tag) for _, tag in model.getEntities(1)}
+    areas = {tag: occ.getMass(2, tag) for _, tag in model.getEntities(2)}
+    uses = {tag: model.getAdjacencies(1, tag)[0] for tag in lengths}
+    borders = {tag: model.getAdjacencies(2, tag)[1] for tag in areas}
+    short = [t for t, x in lengths.items() if x < tolerance and model.getType(1, t) != "Unknown"]
+    perimeters = {tag: sum(lengths[edge] for edge in edges) for tag, edges in borders.items()}
+    return {
+        "solids": len(model.getEntities(3)),
+        "faces": len(areas),
+        "edges": len(lengths),
+        "alone": sum(len(faces) == 1 for faces in uses.values()),
+        "short": len(short),
+        "narrow": sum(2 * area < tolerance * perimeters[t] for t, area in areas.items()),
+        "area": sum(areas.values()),
+        "volume": sum(occ.getMass(3, tag) for _, tag in model.getEntities(3)),
+    }
+
+
+def _is_better(before: dict, after: dict, tolerance: float) -> bool:
+    """Whether nothing small is left and nothing else is lost: a layer as thick as the tolerance."""
+    fewer = all(after[what] <= before[what] for what in ("faces", "edges", "alone"))
+    same = after["solids"] == before["solids"]
+    kept = abs(after["volume"] - before["volume"]) <= tolerance * before["area"]
+    return fewer and same and kept and not after["short"] + after["narrow"]
+
+
+# The fluid's room
+
+
+def _prepared(gmsh, room: str) -> dict:
+    """What is left of the file's shapes, or what they leave over: see the top of this file."""
+    solids = gmsh.model.getEntities(3)
+    if room == "all" and len(solids) > 1:
+        gmsh.model.occ.removeAllDuplicates()
+        gmsh.model.occ.synchronize()
+        return _found(gmsh)
+    if room == "void" and solids:
+        room_box = run_path(str(Path(__file__).with_name("_surrounding_box.py")))["room_box"]
+        box, flat = room_box(gmsh, solids)
+        sides = [high - low for low, high in zip(box[:3], box[3:], strict=True)]
+        gmsh.model.occ.cut([(3, gmsh.model.occ.addBox(*box[:3], *sides))], solids)
+        gmsh.model.occ.synchronize()
+        return _found(gmsh) | {"box": box, "flat": flat}
+    return {}
+
+
+# Plane figures
+
+
+def _section(gmsh, source: str, plane: str) -> dict:
+    """The faces in which solids meet a plane (a point and the normal, JSON, mm); without a plane
+    those that closed wires bound, one each, and the ends of wires that are open."""
+    occ, model = gmsh.model.occ, gmsh.model
+    _load(gmsh, source)
+    if plane:
+        solids = model.getEntities(3)
+        occ.intersect([(2, _plane_face(gmsh, *json.loads(plane)))], solids)
+        occ.synchronize()
+        return {"faces": len(model.getEntities(2)), "open": []}
+    occ.removeAllDuplicates()
+    occ.synchronize()
+    ends = {tag: list(model.getAdjacencies(1, tag)[1]) for _, tag in model.getEntities(1)}
+    uses: dict = {}
+    for curve, corners in ends.items():
+        for corner in corners:
+            uses.setdefault(corner, []).append(curve)
+    loose = [c for c, curves in uses.items() if len(curves) == 1 and len(set(ends[curves[0]])) > 1]
+    if not loose:
+        try:
+            for wire in _wires(ends, uses):
+                occ.addPlaneSurface([occ.addCurveLoop(wire)])
+        except Exception:  # not in a plane, or across each other
+            return {"faces": 0, "open": []}
+        occ.synchronize()
+    places = [list(map(float, model.getValue(0, corner, []))) for corner in loose]
+    return {"faces": len(model.getEntities(2)), "open": places}
+
+
+def _wires(ends: dict, uses: dict) -> list[list[int]]:
+    """Curves that follow each other from end to end."""
+    left, wires = set(ends), []
+    while left:
+        wire = [min(left)]
+        end = ends[wire[0]][-1]
+        while following := [tag for tag in uses[end] if tag in left - {wire[0]}]:
+            wire.append(following[0])
+            left.remove(following[0])
+            end = next((other for other in ends[following[0]] if other != end), end)
+        left.remove(wire[0])
+        wires.append(wire)
+    return wires
+
+
+def _plane_face(gmsh, point: list, normal: list) -> int:
+    """A square in the plane, larger than the model."""
+    import numpy as np
+
+    occ, n = gmsh.model.occ, np.array(normal) / np.linalg.norm(normal)
+    low, high = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+    middle = 0.5 * (low + high)
+    middle -= (middle - point) @ n * n
+    x = np.cross(n, np.eye(3)[np.argmin(np.abs(n))])
+    x *= np.linalg.norm(high - low) / np.linalg.norm(x)
+    y = np.cross(n, x)
+    signs = ((1, 1), (-1, 1), (-1, -1), (1, -1))
+    corners = [occ.addPoint(*(middle + a * x + b * y)) for a, b in signs]
+    sides = [occ.addLine(corners[k - 1], corners[k]) for k in range(4)]
+    return occ.addPlaneSurface([occ.addCurveLoop(sides)])
+
+
+def _mesh(gmsh, size: float, target: Path) -> None:
+    import numpy as np
+
+    gmsh.option.setNumber("Mesh.MeshSizeMax", size)
+    gmsh.option.setNumber("Mesh.MeshSizeFromPoints", 0)
+    gmsh.model.mesh.generate(3)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    _, nodes = gmsh.model.mesh.getElementsByType(4)  # 4: tetrahedron of four nodes
+    corners = np.array(nodes, dtype=np.int64)
+    used = np.unique(corners)
+    index = np.zeros(int(tags.max()) + 1, dtype=np.int64)
+    index[tags] = np.arange(len(tags))
+    points = coordinates.reshape(-1, 3)[index[used]]
+    np.savez(target, points=points.T, tetrahedra=np.searchsorted(used, corners).reshape(-1, 4).T)
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

@@ -1,0 +1,1 @@
+"""Patches on one face: a trimmed face in; four-sided NURBS patches that cover it out."""

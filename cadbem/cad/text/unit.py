@@ -1,0 +1,14 @@
+"""Units of length, as CAD files name them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Unit:
+    """A unit of length; the kernel always works in millimetres."""
+
+    name: str
+    millimetres: float
+    assumed: bool = False  # the file does not say

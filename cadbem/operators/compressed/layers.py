@@ -1,0 +1,133 @@
+"""Both layers of a space at its own collocation points, without their matrices."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cadbem.kernels.kernel import Array, Kernel
+from cadbem.operators.accumulators import PotentialAccumulator
+from cadbem.operators.compressed.coarse import two_level
+from cadbem.operators.compressed.compress import compress
+from cadbem.operators.compressed.cross import MixedKernel
+from cadbem.operators.compressed.iterate import Iteration
+from cadbem.operators.compressed.storage import Compressed, Storage, storage_for
+from cadbem.operators.interactions import interact
+from cadbem.operators.layers import (
+    Layers,
+    assemble_layers,
+    assemble_patch,
+    collocation_targets,
+    mixed_columns,
+    tasks,
+)
+from cadbem.operators.parallel import run_tasks
+from cadbem.operators.solve import Border
+from cadbem.progress import stage
+from cadbem.quadrature import Rules
+from cadbem.space import Space
+
+SURFACE_ORDER = 4  # Gauss points a direction, for the size of patches
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedLayers:
+    """The face of ``Layers`` for systems that are compressed with a ``tolerance``."""
+
+    kernel: Kernel
+    space: Space
+    quadrature: Rules
+    tolerance: float
+
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        return self.space.count
+
+    def apply(self, single: Array, double: Array) -> Array:
+        """S @ single + D @ double for coefficients (components, F): shape (rows, T).
+
+        Only patches with densities cost anything.
+        """
+        targets = collocation_targets(self.space)
+        active = [
+            task for task in tasks(self.space, self.count)
+            if any(d[:, self.space.functions(task[0])].any() for d in (single, double))
+        ]  # fmt: skip
+        results = np.zeros((len(self.space.parameters), self.kernel.rows, self.count))
+
+        def work(_: int, task: tuple) -> None:
+            patch, panels, rows = task
+            shape, part = panels.surface.weights.shape, self.space.functions(patch)
+            densities = [
+                np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
+            ]
+            layouts = self.kernel.single, self.kernel.double
+            result = np.zeros((self.kernel.rows, rows.stop - rows.start))
+            accumulator = PotentialAccumulator(result, layouts, densities)
+            interact(self.kernel, panels, patch, targets.part(rows), self.quadrature, accumulator)
+            results[patch][:, rows] = result
+
+        run_tasks(work, active, "boundary integrals")
+        return results.sum(axis=0)
+
+    def columns(self, patch: int, single: Array, double: Array) -> Array:
+        """Matrix (rows, T, k, n) of the map q -> S (single q) + D (double q) on one patch."""
+        entries = assemble_patch(
+            self.kernel, self.space, patch, collocation_targets(self.space), self.quadrature
+        )
+        return mixed_columns(self.kernel, entries, single, double)
+
+    def system(
+        self,
+        free_term: float,
+        single: Sequence[Array],
+        double: Sequence[Array],
+        border: Border | None,
+    ) -> Iteration:
+        """The system q -> S (F q) + (D - free_term) (U q): see ``factorise``."""
+        scales = [
+            1 / (size * abs(f).max(axis=0) + abs(u).max(axis=0))
+            for size, f, u in zip(self._spacings(), single, double, strict=True)
+        ]
+        mixing = np.array([[f * s, u * s] for f, u, s in zip(single, double, scales, strict=True)])
+        matrix = compress(
+            MixedKernel(self.kernel, mixing),
+            self.space,
+            collocation_targets(self.space),
+            self.quadrature,
+            self.tolerance,
+            own=free_term * mixing[:, 1],
+        )
+        counts = np.diff(self.space.offsets)
+        scale = np.repeat(np.array(scales).T, counts, axis=1)
+        if border is None:
+            fields = np.empty((0, self.kernel.rows, self.count))
+            border = Border(np.empty((0, *scale.shape)), fields)
+        rough = two_level(matrix, self.space.collocation.position)
+        return Iteration(matrix, scale, border, rough, self.tolerance)
+
+    def _spacings(self) -> list[float]:
+        """Mean distance of collocation points on each patch."""
+        power = 1 / (self.space.boundary.dimension - 1)
+        counts = np.diff(self.space.offsets)
+        return [
+            float((patch.quadrature(SURFACE_ORDER)[1].sum() / n) ** power)
+            for patch, n in zip(self.space.boundary.patches, counts, strict=True)
+        ]
+
+
+def own_layers(
+    kernel: Kernel, space: Space, quadrature: Rules, storage: Storage | None
+) -> Layers | CompressedLayers:
+    """Both layers of a space at its own collocation points; without a ``storage``, in the one that
+    suits their number.  Raises ``ValueError`` for any other storage."""
+    storage = storage_for(space.count) if storage is None else storage
+    if not isinstance(storage, Storage):
+        raise ValueError(f"storage is {storage!r}; give Dense() or Compressed(tolerance)")
+    if isinstance(storage, Compressed):
+        return CompressedLayers(kernel, space, quadrature, storage.tolerance)
+    with stage(f"assembling {space.count} points"):
+        return assemble_layers(kernel, space, collocation_targets(space), quadrature)

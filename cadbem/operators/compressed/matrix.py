@@ -1,0 +1,92 @@
+"""Layers as a compressed matrix: dense blocks near by, cross approximations far away.
+
+Clusters of targets and clusters of panels that are far enough from each other form blocks of low
+rank (an H-matrix: Hackbusch 1999; Bebendorf 2008); between neighbouring clusters all integrals are
+as accurate as in the dense matrix.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from cadbem.kernels.kernel import Array, Index
+from cadbem.operators.compressed.clusters import Tree
+from cadbem.operators.compressed.cross import MixedKernel
+from cadbem.operators.compressed.near_blocks import NearBlocks
+from cadbem.operators.compressed.products import times, transposed_times
+from cadbem.operators.parallel import in_shares
+
+
+@dataclass(frozen=True, eq=False)
+class Spread:
+    """Crosses of one cluster of panels: ``table`` (k, unknowns × F) for ``functions`` (F,)."""
+
+    functions: Index
+    table: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Collect:
+    """Crosses of one cluster of targets, ``part`` of all in the tree's order: ``table``
+    (k, rows × T), and which of all crosses they are, ``crosses`` (k,)."""
+
+    part: slice
+    table: Array
+    crosses: Index
+
+
+@dataclass(frozen=True, eq=False)
+class CompressedMatrix:
+    """A mixed kernel between the T targets of a ``tree`` and functions."""
+
+    mixed: MixedKernel
+    tree: Tree
+    near: NearBlocks
+    spread: Sequence[Spread]
+    collect: Sequence[Collect]
+
+    @property
+    def size(self) -> int:
+        """Bytes that are kept."""
+        far = sum(s.table.nbytes for s in self.spread) + sum(c.table.nbytes for c in self.collect)
+        return far + self.near.entries.nbytes
+
+    def apply(self, unknowns: Array) -> Array:
+        """Values (rows, T[, M]) at the targets of coefficients (unknowns, F[, M])."""
+        many = unknowns.shape[2:]
+
+        def of(functions: Index) -> Array:
+            return unknowns[:, functions].reshape(-1, *many)
+
+        crosses = np.concatenate(
+            [np.empty((0, *many))]
+            + in_shares(lambda s: times(s.table, of(s.functions)), self.spread)
+        )
+        rows, count = self.mixed.kernel.rows, len(self.tree.order)
+        result = np.zeros((rows, count, *many))
+
+        def far(c: Collect) -> Array:
+            return transposed_times(c.table, crosses[c.crosses]).reshape(rows, -1, *many)
+
+        def near(b: int) -> Array:
+            part = of(self.near.functions[b])
+            return (self.near.matrix(b) @ part).reshape(rows, -1, *many)
+
+        for c, made in zip(self.collect, in_shares(far, self.collect), strict=True):
+            result[:, c.part] += made
+        leaves = range(len(self.near.counts))
+        for part, made in zip(self._leaves, in_shares(near, leaves), strict=True):
+            result[:, part] += made
+        ordered = np.empty_like(result)
+        ordered[:, self.tree.order] = result
+        return ordered
+
+    @cached_property
+    def _leaves(self) -> list[slice]:
+        """The part of the targets, in the tree's order, of each leaf."""
+        start, stop = self.tree.start, self.tree.stop
+        return [slice(start[c], stop[c]) for c in self.tree.leaves]

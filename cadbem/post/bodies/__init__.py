@@ -1,0 +1,1 @@
+"""Pictures of bodies: frames of a run in; pictures, movies, paths and plots over time out."""

@@ -1,0 +1,1 @@
+"""Files: grids and pictures in; ``.vtu``, meshes and movies on disk out."""

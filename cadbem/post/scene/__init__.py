@@ -1,0 +1,1 @@
+"""Parts that pictures share: a channel in; glass walls, tinted openings, face numbers out."""

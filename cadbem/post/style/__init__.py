@@ -1,0 +1,1 @@
+"""How every picture looks: sizes and quantities in; colours, fonts, legends, panels out."""

@@ -1,0 +1,301 @@
+"""Rigid particles of any closed shape."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cadbem.boundary import Boundary
+from cadbem.operators.far.equivalent import Sources
+from cadbem.operators.interactions import Targets
+from cadbem.operators.potentials import Potentials
+from cadbem.quadrature import Quadrature, Rules
+from cadbem.quadrature.closed import SelfRule
+from cadbem.space import Field
+from cadbem.spline.basis import Array
+from cadbem.suspension.bodies.body import NOTHING, Densities, Push
+from cadbem.suspension.interface.laws import Jump
+from cadbem.suspension.interface.mesh import RelaxMesh
+from cadbem.suspension.interface.motion import Motion
+from cadbem.suspension.interface.volume import CorrectVolume
+from cadbem.suspension.rigid.pose import Pose, rigid_motions, unturned
+from cadbem.suspension.rigid.resistance import Resistance, resistance
+
+Vector = float | Sequence[float] | Array
+
+
+@dataclass(frozen=True, eq=False)
+class RigidParticle:
+    """A rigid body with a closed ``shape`` of degree-elevated, refined patches.
+
+    The shape is given where one likes; the centre of its volume goes to ``position`` (dim,), by
+    default it stays.  ``force`` (dim,) and ``torque`` (3,), or a number in a plane, act on the
+    centre from without, such as buoyancy; none by default.  Particles that share one shape share
+    its matrix.  Raises ShapeError for a shape that is not closed.
+    """
+
+    shape: Boundary
+    position: ArrayLike | None = None
+    force: Vector = 0.0
+    torque: Vector = 0.0
+    quadrature: Rules = field(default_factory=lambda: Quadrature(1e-6))
+    turn: Array | None = None
+
+    def __post_init__(self) -> None:
+        resistance(self.shape, self.quadrature)
+
+    @property
+    def dimension(self) -> int:
+        """2 or 3."""
+        return self.shape.dimension
+
+    @property
+    def resistance(self) -> Resistance:
+        """The shape's matrix, shared by all that have it."""
+        return resistance(self.shape, self.quadrature)
+
+    @cached_property
+    def pose(self) -> Pose:
+        """Where the particle is."""
+        centre = self.resistance.centre if self.position is None else self.position
+        start = unturned(np.asarray(centre, dtype=float))
+        return start if self.turn is None else replace(start, turn=self.turn)
+
+    @property
+    def size(self) -> float:
+        """V^(1/3), or the root of the area in 2D."""
+        return self.resistance.volume ** (1 / self.dimension)
+
+    @property
+    def coordinates(self) -> Array:
+        """Position and turn, flat."""
+        return self.pose.coordinates
+
+    def at(self, coordinates: Array) -> RigidParticle:
+        """The particle elsewhere."""
+        pose = Pose.of(coordinates, self.dimension)
+        return replace(self, position=pose.position, turn=pose.turn)
+
+    @property
+    def centre(self) -> Array:
+        """Centre of volume (dim,)."""
+        return self.pose.position
+
+    def shift(self, change: Array) -> Array:
+        """Displacement (dim,) of the centre in a change of coordinates."""
+        return change[: self.dimension]
+
+    def error(self, change: Array) -> float:
+        """Largest displacement in a change of coordinates, relative to the size."""
+        shift, turn = np.split(change, [self.dimension])
+        # a quaternion turns by twice its own angle
+        angle = float(np.linalg.norm(turn)) * (self.dimension - 1)
+        return max(float(np.linalg.norm(shift)) / self.size, angle)
+
+    def repaired(
+        self, start: RigidParticle, volume: CorrectVolume | None, mesh: RelaxMesh | None
+    ) -> RigidParticle:
+        """The same: rigid bodies keep their shape."""
+        return self
+
+    def drift(self, start: RigidParticle) -> float:
+        """None."""
+        return 0.0
+
+    def unresolved(self) -> str:
+        """Nothing."""
+        return ""
+
+    @cached_property
+    def boundary(self) -> Boundary:
+        """The shape where it is now."""
+        turn = self.pose.matrix
+        shift = self.pose.position - turn @ self.resistance.centre
+        return self.shape.transformed(turn, shift)
+
+    def placed(self, rule: SelfRule) -> PlacedParticle:
+        """Its geometry, which is always sound."""
+        return PlacedParticle(self)
+
+
+@dataclass(frozen=True, eq=False)
+class PlacedParticle:
+    """A rigid particle as the flow sees it.
+
+    What it makes is worked out in its own axes, where its nodes never change.
+    """
+
+    body: RigidParticle
+
+    @cached_property
+    def _turn(self) -> Array:
+        return self.body.pose.matrix
+
+    def _own(self, points: Array) -> Array:
+        """Points (dim, M) in the body's axes."""
+        arm = points - self.body.pose.position[:, None]
+        return self._turn.T @ arm + self.body.resistance.centre[:, None]
+
+    @cached_property
+    def targets(self) -> Array:
+        """The collocation points (dim, N)."""
+        return self._world(self.body.resistance.space.collocation.position)
+
+    def _world(self, points: Array) -> Array:
+        """Points (dim, M) of the body's axes."""
+        arm = points - self.body.resistance.centre[:, None]
+        return self._turn @ arm + self.body.pose.position[:, None]
+
+    @cached_property
+    def samples(self) -> Array:
+        """Points (dim, M) of a Gauss rule on the surface."""
+        return self._world(self.body.resistance.surface[0].position)
+
+    def sources(self, densities: Densities) -> Sources:
+        """Nodes that make S[q] far away."""
+        position, weighted = self.body.resistance.nodes
+        single, _ = densities
+        if single is not None:
+            single = self._turn @ single @ weighted
+        return Sources(self._world(position), single)
+
+    def seen_from(self, points: Array) -> SeenParticle:
+        """The particle as seen from points (dim, M) off it."""
+        own = self.body.resistance
+        targets = Targets.free(np.ascontiguousarray(self._own(points)))
+        return SeenParticle(
+            Potentials(own.kernel, own.space, targets, own.quadrature), self._turn
+        )
+
+    def equation(
+        self, viscosity: float, deflated: bool, push: Push | None = None, jump: Jump | None = None
+    ) -> _Equation:
+        """Its part in the flow, pushed from without."""
+        return _Equation(self.body, self._turn, self._load(push) / viscosity, viscosity)
+
+    def _load(self, push: Push | None) -> Array:
+        """Force and torque from without, in the body's axes, in one array."""
+        force, torque = self.body.force, self.body.torque
+        if self.body.dimension == 3:
+            torque = self._turn.T @ np.broadcast_to(torque, 3)
+        force = self._turn.T @ np.broadcast_to(force, self.body.dimension)
+        load = np.append(force, torque)
+        if push is None:
+            return load
+        own = self.body.resistance
+        points, weights = own.surface
+        pressure = push(self._world(points.position))
+        modes = rigid_motions(points.position - own.centre[:, None])
+        return load - np.einsum("mcn,cn,n->m", modes, points.normal, pressure * weights)
+
+    @property
+    def spacing(self) -> float:
+        """Mean distance of the collocation points."""
+        return self.body.resistance.spacing
+
+    def distance(self, points: Array) -> Array:
+        """Distance (M,) of points (dim, M) from the surface, negative inside."""
+        near = self.body.resistance.nearest.find(self._own(points))
+        return np.where(near.before, near.distance, -near.distance)
+
+    def inner_velocity(self, response: ParticleResponse, points: Array, outer: Array) -> Array:
+        """Velocity (dim, M) at points inside."""
+        return response.velocity_at(points)
+
+    def rate(self, response: ParticleResponse, motion: Motion) -> Array:
+        """Rate of position and turn, flat."""
+        return self.body.pose.rate(response.velocity, response.angular_velocity)
+
+    def fastest(self, viscosity: float) -> float:
+        """Nothing decays."""
+        return 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class ParticleResponse:
+    """The ``velocity`` (dim,) of a particle's ``centre`` and its ``angular_velocity`` (3,), or (1,)
+    in a plane; the ``traction`` on it in its own axes, a field; the ``densities`` of all that it
+    makes, the equations' ``unknown``, and the number of ``iterations`` that they took."""
+
+    centre: Array
+    velocity: Array
+    angular_velocity: Array
+    traction: Field
+    densities: Densities
+    unknown: Array
+    iterations: int
+
+    def velocity_at(self, points: Array) -> Array:
+        """The rigid motion at points (dim, M)."""
+        motion = np.concatenate([self.velocity, self.angular_velocity])
+        return np.einsum("m,mcn->cn", motion, rigid_motions(points - self.centre[:, None]))
+
+
+@dataclass(frozen=True, eq=False)
+class SeenParticle:
+    """What a particle makes at points off it."""
+
+    potentials: Potentials
+    turn: Array
+
+    def velocity(self, densities: Densities) -> Array:
+        """S[q] / 2h (dim, M)."""
+        single, _ = densities
+        if single is None or not self.potentials.targets.count:
+            return np.zeros(self.potentials.targets.position.shape)
+        inside = 2 * self.potentials.kernel.free_term
+        return self.turn @ self.potentials.apply(single, np.zeros_like(single)) / inside
+
+
+@dataclass(frozen=True, eq=False)
+class _Equation:
+    """See ``Equation`` in ``body``.
+
+    w (dim, F + 2) is f / μ, coefficients in the body's axes, followed by U and Ω there;
+    ``load_rate`` the force and torque from without, over μ, in one array.
+    """
+
+    body: RigidParticle
+    turn: Array
+    load_rate: Array
+    viscosity: float
+    couples: bool = True
+    load: Densities = NOTHING
+
+    def _unknown(self, velocity: Array, load: Array) -> Array:
+        traction, motion = self.body.resistance.respond(velocity, load)
+        columns = np.zeros((2, len(velocity)))
+        columns.ravel()[: len(motion)] = motion
+        return np.concatenate([traction, columns.T], axis=1)
+
+    @cached_property
+    def start(self) -> Array:
+        own = self.body.resistance
+        return self._unknown(np.zeros((own.dimension, own.space.count)), self.load_rate)
+
+    def answer(self, felt: Array) -> Array:
+        return self._unknown(self.turn.T @ felt, np.zeros_like(self.load_rate))
+
+    def apply(self, unknown: Array) -> Array:
+        return unknown
+
+    def densities(self, unknown: Array) -> Densities:
+        return np.ascontiguousarray(-unknown[:, :-2]), None
+
+    def response(self, unknown: Array, iterations: int) -> ParticleResponse:
+        motion = unknown[:, -2:].T.ravel()[: len(self.load_rate)]
+        velocity, spin = np.split(motion, [self.body.dimension])
+        traction = Field(self.body.resistance.space, self.viscosity * unknown[:, :-2])
+        return ParticleResponse(
+            centre=self.body.pose.position,
+            velocity=self.turn @ velocity,
+            angular_velocity=self.turn @ spin if len(spin) == 3 else spin,
+            traction=traction,
+            densities=self.densities(unknown),
+            unknown=unknown,
+            iterations=iterations,
+        )

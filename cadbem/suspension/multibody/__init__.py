@@ -1,0 +1,1 @@
+"""All bodies at once: bodies in surroundings in; velocities, gaps, measures, fields out."""

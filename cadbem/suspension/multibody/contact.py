@@ -1,0 +1,178 @@
+"""How near bodies are to walls, openings and each other, and what is done about it.
+
+Between surfaces that nearly touch, the flow varies over lengths far below their distance from
+anything else, and sooner or later below what their points resolve.  A ``Contact`` rule says what
+happens then.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Protocol
+
+import numpy as np
+
+from cadbem.errors import ConditionError
+from cadbem.spline.basis import Array
+from cadbem.suspension.bodies.body import Placed, Push
+from cadbem.suspension.multibody.neighbours import Neighbours
+from cadbem.suspension.surroundings.surroundings import Surroundings
+
+WATCHED = 3.0  # spacings of a body's points within which its gaps are known
+AT_OPENING = 1.0  # spacings from an opening at which a body has left
+
+
+@dataclass(frozen=True)
+class Gap:
+    """The narrowest gap of a ``body`` (its number): its ``length``, negative where they overlap,
+    to what ``other``, and the larger ``spacing`` of points on either side; the distance
+    ``to_opening`` of which name, and the body's ``own_spacing``."""
+
+    body: int
+    length: float
+    other: str
+    spacing: float
+    to_opening: float
+    opening: str
+    own_spacing: float
+
+    @property
+    def share(self) -> float:
+        """The gap as a share of the spacing."""
+        return self.length / self.spacing
+
+    @property
+    def at_opening(self) -> bool:
+        """Whether the body has arrived at an opening."""
+        return self.to_opening < AT_OPENING * self.own_spacing
+
+
+class Contact(Protocol):
+    """What happens in narrow gaps."""
+
+    def reason(self, gap: Gap) -> str:
+        """Why a run cannot go on, or nothing."""
+
+    def pressure(self, gaps: Array) -> Array:
+        """Pressure (M,) that pushes surfaces apart at points with ``gaps`` (M,)."""
+
+    @property
+    def reach(self) -> float:
+        """Gap from which on there is no pressure."""
+
+
+@dataclass(frozen=True)
+class StopAtGap:
+    """A run ends when a gap is narrower than a ``share`` of the spacing of points."""
+
+    share: float = 0.2
+
+    reach = 0.0
+
+    def reason(self, gap: Gap) -> str:
+        """Why a run cannot go on, or nothing."""
+        if gap.share >= self.share:
+            return ""
+        return (
+            f"body {gap.body} is {max(gap.length, 0.0):.3g} from {gap.other}, and points "
+            f"{gap.spacing:.3g} apart do not resolve so narrow a gap: take more points, or choose "
+            "contact=Repel(...)"
+        )
+
+    def pressure(self, gaps: Array) -> Array:
+        """None."""
+        return np.zeros_like(gaps)
+
+
+@dataclass(frozen=True)
+class Repel:
+    """A pressure pushes surfaces apart that are nearer than ``reach`` (a length):
+
+        Π(gap) = strength (1 - gap / reach)²,
+
+    on both sides of the gap, along their normals.  Choose a ``strength`` (a pressure) of some
+    times γ / R, or of the viscous stresses, and a reach as small as the points allow, about half
+    their spacing.  The rule stands for what is not resolved or not known, and makes results in
+    narrow gaps depend on it.
+    """
+
+    reach: float
+    strength: float
+
+    def reason(self, gap: Gap) -> str:
+        """Nothing: it is the pressure that keeps surfaces apart."""
+        return ""
+
+    def pressure(self, gaps: Array) -> Array:
+        """Π (M,)."""
+        return self.strength * np.clip(1 - gaps / self.reach, 0.0, 1.5) ** 2
+
+
+def narrowest(
+    surroundings: Surroundings, bodies: Sequence[Placed], numbers: Sequence[int], everywhere: bool
+) -> list[Gap]:
+    """The narrowest gap of each body, as far as it is watched, or ``everywhere``."""
+    gaps, neighbours = [], Neighbours(bodies)
+    for i, body in enumerate(bodies):
+        own = body.spacing
+        reach = np.inf if everywhere else WATCHED * own
+        wall, name, opening, which = _to_walls(surroundings, body, reach)
+        gap = Gap(numbers[i], wall, f"'{name}'", own, opening, which, own)
+        length, j = neighbours.nearest(i, reach)
+        if length < gap.length:
+            spacing = max(own, bodies[j].spacing)
+            gap = replace(gap, length=length, other=f"body {numbers[j]}", spacing=spacing)
+        gaps.append(gap)
+    return gaps
+
+
+def _to_walls(
+    surroundings: Surroundings, body: Placed, reach: float
+) -> tuple[float, str, float, str]:
+    """Signed distance to the nearest wall, and its name; the same for openings."""
+    seen = surroundings.nearest(body.samples, reach)
+    result: list = []
+    for of_kind in (~seen.opening, seen.opening):
+        here = np.nonzero(of_kind)[0]
+        if len(here) == 0:
+            result += [np.inf, ""]
+            continue
+        best = here[int(seen.distance[here].argmin())]
+        result += [float(seen.distance[best]), seen.names[best]]
+    return result[0], result[1], result[2], result[3]
+
+
+def push(
+    surroundings: Surroundings, neighbours: Neighbours, number: int, contact: Contact
+) -> Push | None:
+    """The pressure (M,) of a contact rule at points (dim, M) of one of the bodies, if any."""
+    if not contact.reach:
+        return None
+
+    def pressure(points: Array) -> Array:
+        seen = surroundings.nearest(points, contact.reach)
+        walls = np.where(seen.opening, np.inf, seen.distance)
+        others = neighbours.gaps(number, points, contact.reach)
+        return contact.pressure(np.minimum(walls, others))
+
+    return pressure
+
+
+def check_start(
+    surroundings: Surroundings, bodies: Sequence[Placed], numbers: Sequence[int]
+) -> list[Gap]:
+    """Gaps of bodies before they move.
+
+    Raises ConditionError for a body that is not inside the channel, or overlaps another.
+    """
+    gaps = narrowest(surroundings, bodies, numbers, everywhere=True)
+    for gap, body in zip(gaps, bodies, strict=True):
+        centre = ", ".join(f"{x:.4g}" for x in body.targets.mean(axis=1))
+        if gap.length <= 0 or gap.at_opening:
+            other = gap.other if gap.length <= 0 else f"the opening '{gap.opening}'"
+            raise ConditionError(
+                f"body {gap.body}, around ({centre}), is not clear of {other}: place it inside "
+                "the fluid and away from other bodies"
+            )
+    return gaps

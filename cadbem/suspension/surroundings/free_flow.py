@@ -1,0 +1,61 @@
+"""Bodies in unbounded fluid."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from cadbem.errors import ConditionError
+from cadbem.spline.basis import Array
+from cadbem.suspension.surroundings.flows import BackgroundFlow
+from cadbem.suspension.surroundings.surroundings import Nearest
+
+
+@dataclass(frozen=True, eq=False)
+class FreeFlow:
+    """Unbounded fluid of a ``viscosity`` that flows like ``background`` far away.
+
+    ``deflated`` False leaves the droplets' equations as they stand, for comparison.
+    """
+
+    background: BackgroundFlow
+    viscosity: float = 1.0
+    deflated: bool = True
+
+    def __post_init__(self) -> None:
+        if not self.viscosity > 0:
+            raise ConditionError(f"viscosity {self.viscosity}: give a positive number")
+
+    @property
+    def accuracy(self) -> float:
+        """Exact."""
+        return 0.0
+
+    @property
+    def walls(self) -> None:
+        """None."""
+        return None
+
+    def at(self, points: Array) -> _Undisturbed:
+        """The flow at points (dim, M)."""
+        return _Undisturbed(self.background, points)
+
+    def nearest(self, points: Array, reach: float) -> Nearest:
+        """Nothing."""
+        count = points.shape[1]
+        return Nearest(np.full(count, np.inf), [""] * count, np.zeros(count, dtype=bool))
+
+
+@dataclass(frozen=True, eq=False)
+class _Undisturbed:
+    """See ``Incident``."""
+
+    background: BackgroundFlow
+    points: Array
+
+    def velocity(self, induced: Array | None) -> Array:
+        return self.background.velocity(self.points)
+
+    def reflected(self, induced: Array) -> Array:
+        return np.zeros(self.points.shape)

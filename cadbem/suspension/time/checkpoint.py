@@ -1,0 +1,37 @@
+"""A state from which a run goes on, and the coordinates of all its bodies in one array."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from cadbem.spline.basis import Array
+from cadbem.suspension.time.state import State
+
+
+@dataclass(frozen=True, eq=False)
+class Checkpoint:
+    """A ``state`` with the ``slope`` of its coordinates, flat, and the ``length`` that the next
+    step may have."""
+
+    state: State
+    slope: Array
+    length: float
+
+
+def coordinates(state: State) -> Array:
+    """The coordinates of all bodies, flat."""
+    return np.concatenate([b.coordinates for b in state.bodies])
+
+
+def ends(state: State) -> Array:
+    """Where one body's coordinates end and the next one's begin."""
+    return np.cumsum([b.coordinates.size for b in state.bodies])[:-1]
+
+
+def moved(state: State, flat: Array) -> State:
+    """The state with the coordinates of a flat array."""
+    parts = np.split(flat, ends(state))
+    bodies = [b.at(part) for b, part in zip(state.bodies, parts, strict=True)]
+    return replace(state, bodies=tuple(bodies))

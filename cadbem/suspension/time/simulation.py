@@ -1,0 +1,286 @@
+"""Bodies moving in time: velocities, steps, repairs, and when to stop."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from cadbem.errors import ConditionError, ShapeError
+from cadbem.operators.far.equivalent import FarField
+from cadbem.progress import progress
+from cadbem.quadrature.closed import PolarRule, SelfRule
+from cadbem.spline.basis import Array
+from cadbem.suspension.bodies.body import Body
+from cadbem.suspension.bodies.droplet import Droplet
+from cadbem.suspension.interface.mesh import RelaxMesh
+from cadbem.suspension.interface.motion import Motion, affine_velocity
+from cadbem.suspension.interface.volume import CorrectVolume
+from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
+from cadbem.suspension.multibody.environment import Environment
+from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
+from cadbem.suspension.time.state import State
+from cadbem.suspension.time.stepping import Adaptive, Step, Stepper
+from cadbem.units import check
+
+SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
+FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
+ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
+COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
+
+
+@dataclass(frozen=True, eq=False)
+class Simulation:
+    """One body or several, droplets and rigid particles, in a ``flow``, unbounded or in a channel.
+
+    ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
+    ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
+    ``contact`` says what happens in narrow gaps; ``far`` how bodies see each other and walls from
+    afar (None: by direct sums).  Bodies that reach an opening of the channel have left and are
+    taken out; the run ends with the last.
+    """
+
+    flow: Surroundings
+    bodies: Body | Sequence[Body]
+    stepper: Stepper = Adaptive()
+    motion: Motion = affine_velocity
+    volume: CorrectVolume | None = CorrectVolume()
+    mesh: RelaxMesh | None = None
+    rule: SelfRule = PolarRule()
+    contact: Contact = StopAtGap()
+    far: FarField | None = FarField()
+
+    @cached_property
+    def start(self) -> State:
+        """The state at time 0."""
+        bodies = tuple(self.bodies) if isinstance(self.bodies, Sequence) else (self.bodies,)
+        return State(self.environment, 0.0, bodies, tuple(range(1, len(bodies) + 1)))
+
+    @property
+    def droplet(self) -> Droplet:
+        """The first droplet at the beginning."""
+        return self.start.droplet
+
+    @property
+    def environment(self) -> Environment:
+        """What the bodies are in, and how they feel each other."""
+        return Environment(self.flow, self.rule, self.contact, self.far)
+
+    def run(self, end: float, every: float | None = None) -> Iterator[State]:
+        """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
+
+        What can no longer be resolved ends the run early: the last state is the last sound one,
+        and its ``stopped`` tells why.  Raises ConditionError for bodies that are not inside the
+        channel, or overlap.
+        """
+        for states, _ in self.advance(end, every):
+            yield from states
+
+    def advance(
+        self, end: float, every: float | None = None, since: Checkpoint | None = None
+    ) -> Iterator[tuple[list[State], Checkpoint]]:
+        """As ``run``, step by step: the states of each step, and a checkpoint at its end.
+
+        From that, as ``since``, another call goes on as if there had been no pause.
+        """
+        check("end and every", (end, every), "time")
+        if not 0 < end < np.inf or every is not None and not every > 0:
+            raise ShapeError(f"run(end={end}, every={every}): times must be positive")
+        if since is None:
+            check_start(self.flow, self.start.placed, self.start.numbers)
+            slope = self.slope(self.start)
+            rate = self._first_rate(self.start, slope)
+            since = Checkpoint(self.start, slope, self.stepper.first_length(rate))
+            yield [self.start], since
+        now = since.state.time
+        wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
+        with progress(label="time", total=end, initial=now) as bar:
+            for before, after in self._march(since, end):
+                state, kept = after.state, []
+                bar.update(max(state.time - bar.n, 0.0))
+                while wanted and wanted[0] < state.time * (1 - 1e-12):
+                    kept.append(self._between(before, after, wanted.pop(0)))
+                due = bool(wanted) and wanted[0] <= state.time * (1 + 1e-12)
+                if every is None or state.stopped or due:
+                    wanted = wanted[1:]
+                    kept.append(state)
+                yield kept, after
+
+    def _march(self, checkpoint: Checkpoint, end: float) -> Iterator[tuple[Checkpoint, Checkpoint]]:
+        """Accepted steps up to ``end``, or to the last sound shapes."""
+        while not checkpoint.state.stopped and checkpoint.state.time < end * (1 - 1e-12):
+            checkpoint = self._without_left(checkpoint)
+            length = min(checkpoint.length, end - checkpoint.state.time)
+            after = self._step(checkpoint, length, SMALLEST_STEP * end)
+            yield checkpoint, after
+            checkpoint = after
+
+    def _step(self, checkpoint: Checkpoint, length: float, smallest: float) -> Checkpoint:
+        """The next accepted checkpoint."""
+        state, largest = checkpoint.state, self.fastest(checkpoint.state)
+        length = min(length, self.stepper.bound(largest), _longest(checkpoint))
+        evaluations = state.evaluations
+        while length > smallest:
+            rate = _Rate(self, state, state.guess)
+            try:
+                step = self.stepper.attempt(
+                    rate, coordinates(state), checkpoint.slope, length, largest
+                )
+                evaluations += step.evaluations
+                error = self._error(state, step.error)
+                accepted, following = self.stepper.next_length(length, error, step.power)
+                if accepted:
+                    old = replace(state, guess=rate.guess)
+                    after = self._after(old, step, length, evaluations)
+                    if not _too_far(state, after):
+                        return self._accept(old, after, step.slope, following)
+                    following = length / 2
+            except (ShapeError, ConditionError):
+                following = length / 4
+            length = following
+        reason = (
+            f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
+            "up, or bodies come too close; take more points"
+        )
+        return replace(checkpoint, state=replace(state, stopped=reason))
+
+    def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
+        """The state that a step leads to, repaired."""
+        bare = moved(old, step.state)
+        drifts = [b.drift(start) for b, start in self._with_starts(bare)]
+        return replace(
+            self._repaired(bare, self.mesh), time=old.time + length, steps=old.steps + 1,
+            evaluations=evaluations + self._needs_slope(step.slope), length=length,
+            drift=max(drifts, key=abs),
+        )  # fmt: skip
+
+    def _needs_slope(self, slope: Array | None) -> bool:
+        """Whether the slope at a step's end must be worked out for the next step."""
+        return slope is None or self.mesh is not None
+
+    def _accept(
+        self, old: State, after: State, slope: Array | None, following: float
+    ) -> Checkpoint:
+        """The checkpoint after a step; the old one, stopped, if it is not sound.
+
+        The state is made anew only where it changes: it has its gaps worked out.
+        """
+        reasons = [b.unresolved() for b in after.bodies]
+        reasons += [self.contact.reason(gap) for gap in after.gaps]
+        if any(reasons):
+            stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
+            return Checkpoint(replace(old, stopped=stopped), np.empty(0), following)
+        leaving = _leaving(after)
+        if leaving:
+            left = old.left | leaving
+            last = all(n in left for n in after.numbers)
+            after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
+        if slope is None or self._needs_slope(slope):
+            slope = self.slope(after)
+        return Checkpoint(after, slope, following)
+
+    def _without_left(self, checkpoint: Checkpoint) -> Checkpoint:
+        """The checkpoint without bodies that have left."""
+        state = checkpoint.state
+        stay = [i for i, n in enumerate(state.numbers) if n not in state.left]
+        if len(stay) == len(state.numbers):
+            return checkpoint
+        bodies = tuple(state.bodies[i] for i in stay)
+        numbers = tuple(state.numbers[i] for i in stay)
+        state = replace(state, bodies=bodies, numbers=numbers, guess=())
+        return replace(checkpoint, state=state, slope=self.slope(state))
+
+    def _with_starts(self, state: State) -> list[tuple[Body, Body]]:
+        """Each body, and what it was at the beginning."""
+        starts = [self.start.bodies[n - 1] for n in state.numbers]
+        return list(zip(state.bodies, starts, strict=True))
+
+    def _repaired(self, state: State, mesh: RelaxMesh | None) -> State:
+        """The state with the right volumes, and points relaxed."""
+        pairs = self._with_starts(state)
+        bodies = tuple(b.repaired(start, self.volume, mesh) for b, start in pairs)
+        return replace(state, bodies=bodies)
+
+    def _error(self, state: State, change: Array) -> float:
+        """Largest displacement of a body in a change of coordinates, relative to its size."""
+        parts = np.split(change, ends(state))
+        return max(b.error(part) for b, part in zip(state.bodies, parts, strict=True))
+
+    def slope(self, state: State) -> Array:
+        """Rate of change of all coordinates, flat."""
+        pairs = zip(state.placed, state.responses, strict=True)
+        return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
+
+    def _first_rate(self, start: State, slope: Array) -> float:
+        """The fastest rate at the beginning, that of motion included."""
+        return max(self.fastest(start), FIRST_MOVES * self._error(start, slope))
+
+    def fastest(self, state: State) -> float:
+        """Rate at which the shortest waves that the points carry relax, at most."""
+        return max(p.fastest(self.flow.viscosity) for p in state.placed)
+
+    def _between(self, before: Checkpoint, after: Checkpoint, time: float) -> State:
+        """The state at a time within a step, by cubic Hermite interpolation."""
+        start, end = before.state, after.state
+        length = end.time - start.time
+        s = (time - start.time) / length
+        flat = (
+            (1 + 2 * s) * (1 - s) ** 2 * coordinates(start)
+            + s**2 * (3 - 2 * s) * coordinates(end)
+            + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
+        )
+        return self._repaired(replace(moved(end, flat), time=time), None)
+
+
+@dataclass(eq=False)
+class _Rate:
+    """The rate of a state's coordinates elsewhere; it remembers the latest unknowns as a guess."""
+
+    simulation: Simulation
+    state: State
+    guess: tuple[Array, ...]
+
+    def __call__(self, flat: Array) -> Array:
+        state = replace(moved(self.state, flat), guess=self.guess)
+        slope = self.simulation.slope(state)
+        self.guess = tuple(r.unknown for r in state.responses)
+        return slope
+
+
+def _too_far(before: State, after: State) -> bool:
+    """Whether a step made surfaces overlap, or left less than half of a narrow gap."""
+    return any(
+        now.length <= 0 or now.share < COMFORTABLE and now.length < gap.length / 2
+        for gap, now in zip(before.gaps, after.gaps, strict=True)
+    )
+
+
+def _longest(checkpoint: Checkpoint) -> float:
+    """The time in which a body goes ``ROOM`` times as far as its gap or spacing: longer steps
+    might cut corners."""
+    state = checkpoint.state
+    parts = zip(state.bodies, state.gaps, np.split(checkpoint.slope, ends(state)), strict=True)
+    return min(
+        ROOM * max(gap.length, gap.spacing) / max(float(np.linalg.norm(b.shift(part))), 1e-300)
+        for b, gap, part in parts
+    )
+
+
+def _leaving(state: State) -> dict[int, str]:
+    """Bodies that have reached an opening, by their number, and what to say of them."""
+    return {
+        gap.body: f"body {gap.body} left through '{gap.opening}' at time {state.time:.4g}"
+        for gap in state.gaps
+        if gap.at_opening
+    }
+
+
+def _multiples(end: float, every: float | None) -> list[float]:
+    if every is None:
+        return []
+    count = int(np.floor(end / every * (1 + 1e-12)))
+    times = [every * k for k in range(1, count + 1)]
+    return times if times and times[-1] > end * (1 - 1e-9) else [*times, end]

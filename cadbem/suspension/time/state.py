@@ -1,0 +1,121 @@
+"""Bodies at one moment of a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from cadbem.boundary import Boundary
+from cadbem.operators.closed.layers import ClosedLayers
+from cadbem.problems.solution import StokesSolution
+from cadbem.spline.basis import Array
+from cadbem.spline.closed import ClosedSpline
+from cadbem.suspension.bodies.body import Body, Placed
+from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet, Response
+from cadbem.suspension.bodies.particle import RigidParticle
+from cadbem.suspension.multibody.contact import Gap, narrowest
+from cadbem.suspension.multibody.environment import Environment
+from cadbem.suspension.multibody.fields import velocity_at
+from cadbem.suspension.multibody.measures import Measures, measure
+from cadbem.suspension.multibody.multibody import MultibodySystem
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
+from cadbem.suspension.surroundings.surroundings import Surroundings
+
+
+@dataclass(frozen=True, eq=False)
+class State:
+    """The ``bodies`` at a ``time``, their ``numbers`` from 1 on, and how they got there: accepted
+    ``steps`` and ``evaluations`` of the velocities so far, the ``length`` of the last step, and
+    ``drift``, the largest relative error of a volume that it made, before correction.
+
+    ``left`` tells of each body that has left the channel, by its number, when and where;
+    ``guess`` has unknowns of the bodies' equations a moment ago, or nothing.
+    ``stopped`` is empty, or says why a run ended early.
+    """
+
+    environment: Environment
+    time: float
+    bodies: tuple[Body, ...]
+    numbers: tuple[int, ...] = (1,)
+    steps: int = 0
+    evaluations: int = 0
+    length: float = 0.0
+    drift: float = 0.0
+    stopped: str = ""
+    left: dict[int, str] = field(default_factory=dict)
+    guess: tuple[Array, ...] = ()
+
+    @property
+    def flow(self) -> Surroundings:
+        """What the bodies are in."""
+        return self.environment.flow
+
+    @property
+    def droplets(self) -> tuple[Droplet, ...]:
+        """Those bodies that are droplets."""
+        return tuple(b for b in self.bodies if isinstance(b, Droplet))
+
+    @property
+    def droplet(self) -> Droplet:
+        """The first droplet, of most runs the only one."""
+        return self.droplets[0]
+
+    @property
+    def shapes(self) -> dict[int, ClosedSpline | Boundary]:
+        """The surface of each body, by its number."""
+        pairs = zip(self.numbers, self.bodies, strict=True)
+        return {
+            n: b.boundary if isinstance(b, RigidParticle) else b.shape  # type: ignore[attr-defined]
+            for n, b in pairs
+        }
+
+    @cached_property
+    def placed(self) -> list[Placed]:
+        """Each body with its geometry worked out."""
+        return [b.placed(self.environment.rule) for b in self.bodies]
+
+    @property
+    def layers(self) -> list[ClosedLayers]:
+        """Each droplet's layers."""
+        return [p.layers for p in self.placed if isinstance(p, PlacedDroplet)]
+
+    @cached_property
+    def responses(self) -> list[Any]:
+        """The ``Response`` of each droplet, the ``ParticleResponse`` of each particle."""
+        return self.environment.responses(self.placed, self.guess)
+
+    @property
+    def response(self) -> Any:
+        """That of the first body."""
+        return self.responses[0]
+
+    @cached_property
+    def gaps(self) -> list[Gap]:
+        """The narrowest gap of each body, if it is narrow."""
+        return narrowest(self.flow, self.placed, self.numbers, everywhere=False)
+
+    def velocity_at(self, points: ArrayLike) -> Array:
+        """Velocity (dim, M) at points (dim, M) inside and outside the bodies, in the fluid."""
+        far = self.environment.far
+        return velocity_at(self.flow, self.placed, self.responses, points, far)
+
+    @cached_property
+    def walls(self) -> StokesSolution:
+        """Velocity and traction on a channel's boundary, with the bodies in it."""
+        flow = self.flow
+        assert isinstance(flow, ChannelFlow), "unbounded fluid has no walls"
+        system = MultibodySystem(flow, tuple(self.placed), far=self.environment.far)
+        return flow.solution(system.velocity_at_walls([r.densities for r in self.responses]))
+
+    @cached_property
+    def measures(self) -> list[Measures]:
+        """Deformation, inclination, volume, energies, mesh quality and more, of each droplet."""
+        flow = self.flow
+        return [
+            measure(b.shape, r.velocity, r.jump, flow.background, flow.viscosity, b.viscosity_ratio)
+            for b, r in zip(self.bodies, self.responses, strict=True)
+            if isinstance(b, Droplet) and isinstance(r, Response)
+        ]
