@@ -13,6 +13,10 @@ class CadWarning(UserWarning):
     """A CAD file can be read, but something in it is unusual, was assumed or was mended."""
 
 
+class AccuracyWarning(UserWarning):
+    """A result may be further off than was asked for, or than is sensible."""
+
+
 class SelectionError(CadbemError):
     """Faces were named or chosen ambiguously, twice, or not at all."""
 

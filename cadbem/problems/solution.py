@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +15,9 @@ from cadbem.operators.potentials import Potentials
 from cadbem.points import moment
 from cadbem.problems.conditions import Background
 from cadbem.problems.equations import StokesEquations
+from cadbem.problems.estimates import Accuracy
 from cadbem.problems.mixed import patches_named, represent
+from cadbem.problems.stokes_accuracy import analyse
 from cadbem.quadrature import Rules
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -42,6 +45,14 @@ class StokesSolution:
     def space(self) -> Space:
         """Unknowns and collocation points."""
         return self.velocity.space
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """How wrong flow rates, mean pressures, forces and the velocity may be: see ``Accuracy``.
+
+        Raises ``ConditionError`` for a flow with bodies in it, or without a dense matrix.
+        """
+        return analyse(self.problem, self.velocity, self.traction, self.background).accuracy
 
     def velocity_at(self, points: ArrayLike, quadrature: Rules | None = None) -> Array:
         """Velocity (dim, M) at points (dim, M) in the fluid or on its boundary.

@@ -7,13 +7,19 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
+from cadbem.problems.adapting import MOST_POINTS, adapted
 from cadbem.problems.conditions import Background, Condition
 from cadbem.problems.equations import StokesEquations
+from cadbem.problems.estimates import Analysis
 from cadbem.problems.solution import StokesSolution
+from cadbem.problems.stokes_accuracy import Goal, analyse
+from cadbem.quadrature import Quadrature, Rules
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
+QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
 SHARED = ("space", "surfaces", "regions", "openings", "layers", "inner_pressure", "constraints")
 
 
@@ -34,18 +40,55 @@ class StokesProblem(StokesEquations):
     made for another unit of length than the boundary's.
     """
 
-    def solve(self) -> StokesSolution:
+    def solve(
+        self,
+        accuracy: float | None = None,
+        *,
+        goal: Goal | None = None,
+        most_points: int = MOST_POINTS,
+    ) -> StokesSolution:
         """Velocity and traction on the boundary, whence everything else follows.
+
+        With an ``accuracy``, such as 1e-3, elements are chosen and refined by the program: it
+        starts from the patches as they are and goes on until the estimated errors are below
+        ``accuracy`` times the quantity's size.  Quantities are the flow rates and mean pressures
+        of openings, the forces on bodies, and the velocity in the mean square; or those of a
+        ``goal``: "wall shear" for the largest one, or points (dim, M) for the velocity there.
+        Beyond ``most_points`` it ends with an ``AccuracyWarning``.  Without an ``accuracy`` the
+        patches are the elements.
 
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
+        if accuracy is not None:
+            return self._adapted(accuracy, goal, most_points)
         known = self.known()
         background = self.background.velocity_at(self.space.collocation.position)
         within = -self.background.pressure_at(self.inner_points)
         others = len(self.constraints.fields) - len(within)
         solution = self._solution(known, background, np.concatenate([within, np.zeros(others)]))
         return replace(solution, background=self.background)
+
+    def _adapted(self, accuracy: float, goal: Goal | None, most_points: int) -> StokesSolution:
+        """The solution on refined elements."""
+        openings = self.openings
+
+        def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
+            finer = replace(self, boundary=boundary, quadrature=self._rules(accuracy))
+            vars(finer)["openings"] = openings  # the same rims, whatever the elements
+            solution = finer.solve()
+            fields = solution.velocity, solution.traction
+            return solution, analyse(finer, *fields, self.background, goal)
+
+        solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
+        vars(solution)["accuracy"] = analysis.accuracy
+        return solution
+
+    def _rules(self, accuracy: float) -> Rules:
+        """Integrals as accurate as an accuracy needs, if the user has not chosen."""
+        if self.quadrature != Quadrature():
+            return self.quadrature
+        return Quadrature(min(max(QUADRATURE_SHARE * accuracy, 1e-10), 1e-5))
 
     def with_data(self, conditions: Mapping[str, Condition]) -> StokesProblem:
         """The same problem with other data in some ``conditions`` of the same kinds.
