@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from cadbem.design.network import OperatingPoint as OperatingPoint
     from cadbem.design.network import hydraulic_network as hydraulic_network
     from cadbem.design.network import network_of as network_of
-    from cadbem.design.release_points import Starts as Starts
-    from cadbem.design.release_points import inlet_starts as inlet_starts
+    from cadbem.design.release_points import ReleasePoints as ReleasePoints
+    from cadbem.design.release_points import inlet_points as inlet_points
     from cadbem.design.tracers import Tracers as Tracers
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
@@ -157,7 +157,7 @@ _NAMES = {
     "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
     "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
     "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
-    "design.release_points": ("Starts", "inlet_starts"),
+    "design.release_points": ("ReleasePoints", "inlet_points"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (

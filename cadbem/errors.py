@@ -1,4 +1,4 @@
-"""Errors that a user can mend: one line each, naming the culprit and the remedy."""
+"""Errors that a user can correct: one line each, naming the culprit and the remedy."""
 
 
 class CadbemError(Exception):
@@ -10,7 +10,7 @@ class CadError(CadbemError):
 
 
 class CadWarning(UserWarning):
-    """A CAD file can be read, but something in it is unusual, was assumed or was mended."""
+    """A CAD file can be read, but something in it is unusual, was assumed or was repaired."""
 
 
 class SelectionError(CadbemError):

@@ -114,7 +114,7 @@ def paths():
     channel = cb.read_cad("geometries/bent_pipe.step").elevated(2).refined(2)
     ends = {"inlet": cb.Inflow(mean_velocity=1.0), "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
     solution = cb.StokesProblem(channel, 1.0, ends).solve()
-    tracers = cb.trace(solution, cb.inlet_starts(solution, count=40), time_limit=8.0)
+    tracers = cb.trace(solution, cb.inlet_points(solution, count=40), time_limit=8.0)
     paths, times = tracers.paths, tracers.moments
     cb.draw_paths("paths.png", channel, paths, values=times, label="time", units=cb.Units())
 

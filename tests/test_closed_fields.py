@@ -41,7 +41,7 @@ def test_linear_flow_through_an_interface(dimension, ratio):
     def jump(points):
         return 2 * (1 - ratio) * strain @ points.normal
 
-    law = SimpleNamespace(close=lambda layers, respond: (respond(jump), jump))
+    law = SimpleNamespace(close=lambda layers, velocity_response: (velocity_response(jump), jump))
     shape = wavy(dimension, 14)
     run = cb.Simulation(cb.FreeFlow(flow), cb.Droplet(shape, law, ratio))
     state = run.start

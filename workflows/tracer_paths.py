@@ -43,7 +43,7 @@ def main(
     solution = cb.StokesProblem(channel, u(viscosity), conditions, rules).solve()
 
     # Tracers that stand for the flow of either inlet
-    found = {n: cb.trace(solution, cb.inlet_starts(solution, n, count=tracers)) for n in rates}
+    found = {n: cb.trace(solution, cb.inlet_points(solution, n, count=tracers)) for n in rates}
     rows = []
     for name, group in found.items():
         times, shares = group.distribution

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cadbem.design.release_points import OPEN, Starts
+from cadbem.design.release_points import OPEN, ReleasePoints
 from cadbem.errors import ConditionError
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.profiles import Port, port
@@ -84,7 +84,7 @@ class Tracers:
 
 def trace(
     solution: StokesSolution,
-    starts: Starts | ArrayLike,
+    starts: ReleasePoints | ArrayLike,
     time_limit: float | None = None,
     tolerance: float = 1e-4,
 ) -> Tracers:
@@ -96,9 +96,9 @@ def trace(
     dimension; ``UnitsError`` for a limit that is no time.
     """
     check("time_limit", time_limit, "time")
-    if not isinstance(starts, Starts):
+    if not isinstance(starts, ReleasePoints):
         points = np.asarray(starts, dtype=float)
-        starts = Starts(points, np.ones(points.shape[-1]))
+        starts = ReleasePoints(points, np.ones(points.shape[-1]))
     flow = _Flow(solution)
     if starts.points.ndim != 2 or len(starts.points) != solution.space.boundary.dimension:
         raise ConditionError(

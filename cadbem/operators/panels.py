@@ -90,7 +90,7 @@ class Panels:
         return open_squares(self.flat_nets)
 
     @cached_property
-    def poles(self) -> Index | None:
+    def collapsed_sides(self) -> Index | None:
         """Sides that are points: see ``collapsed_sides``."""
         return collapsed_sides(self.flat_nets)
 

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Kernel, Sums
 from cadbem.operators.accumulators import PotentialAccumulator, Record
-from cadbem.operators.interactions import Targets, interact, mend
+from cadbem.operators.interactions import Targets, correct_close_pairs, interact
 from cadbem.operators.layers import Task, tasks
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
@@ -76,7 +76,9 @@ class Potentials:
         def work(k: int, task: Task) -> None:
             patch, panels, rows = task
             here, record = self.targets.part(rows), records[k]
-            mend(self.kernel, panels, patch, here, self.quadrature, record, record.negative)
+            correct_close_pairs(
+                self.kernel, panels, patch, here, self.quadrature, record, record.negative
+            )
 
         if self.kernel.sums is not None:
             run_tasks(work, self._tasks, "near fields")

@@ -154,7 +154,7 @@ class StokesEquations:
 
     @cached_property
     def constraints(self) -> Constraints:
-        """What the equations leave open, or conserve only roughly.
+        """What the equations leave open, or conserve only approximately.
 
         Inside each of ``given_bodies`` the pressure of all layers vanishes, to which f = n
         contributes 1; forces and torques do not depend on it, as ∫ n dS = ∫ x × n dS = 0.  In each

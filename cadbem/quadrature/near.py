@@ -14,7 +14,7 @@ from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER, gauss_unit, log_unit
 from cadbem.quadrature.lines import evaluate_part, line_nodes, part_from
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein, metric
-from cadbem.quadrature.polar import polar_nodes, pole_nodes
+from cadbem.quadrature.polar import collapsed_side_nodes, polar_nodes
 from cadbem.quadrature.uniform import thesis_nodes
 
 
@@ -33,13 +33,13 @@ def gauss_table():
 
 @compiled
 def place_nodes(
-    nets, box, poles, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
+    nets, box, collapsed, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
     starts, foot, curve, position, normal, weight, bu, bv,
 ):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
     ``u``, ``v``, ``distance`` give each pair's closest point, whose place in space goes to
-    ``foot`` (dim, pairs).  Surfaces need ``box``, which is ``WHOLE``, and the panels' ``poles``
+    ``foot`` (dim, pairs).  Surfaces need ``box``, which is ``WHOLE``, and the panels' ``collapsed``
     (see ``collapsed_sides``); curves need room ``curve`` (p + 1, dim).  Where ``pieces`` (pairs,)
     is not 0, the thesis's rule of ``order`` on so many parts a direction replaces ours (on
     surfaces).  What of these is None is not compiled.  Tables: ``position``, relative to the foot,
@@ -62,9 +62,11 @@ def place_nodes(
             count = line_nodes(net, u[k], distance[k], tolerance, gauss, room, work)
         elif pieces is not None and pieces[k] > 0:
             count = thesis_nodes(u[k], v[k], distance[k], order, pieces[k], gauss, room)
-        elif poles is not None and poles[panel_of[k]] >= 0:
-            side = poles[panel_of[k]]
-            count = pole_nodes(net, side, u[k], v[k], distance[k], tolerance, gauss, room, work)
+        elif collapsed is not None and collapsed[panel_of[k]] >= 0:
+            side = collapsed[panel_of[k]]
+            count = collapsed_side_nodes(
+                net, side, u[k], v[k], distance[k], tolerance, gauss, room, work
+            )
         elif box is not None:
             count = polar_nodes(net, u[k], v[k], distance[k], box, tolerance, gauss, room, work)
         if count < 0:

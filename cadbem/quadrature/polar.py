@@ -61,7 +61,7 @@ def _square(a, b):
 
 
 @compiled
-def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
+def collapsed_side_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     """As ``polar_nodes`` for a panel with one side that is a point.
 
     Strips that halve towards the pole, down to the target's own distance from it, are ordinary

@@ -45,7 +45,7 @@ from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
-ASKED, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
+DESCRIPTION, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
 FRAMES, PARAVIEW = "frames", "paraview"
 TABLES = ("run.csv", "bodies.csv")
 Note = Callable[[str], None]
@@ -58,7 +58,7 @@ def frame_file(folder: Path, index: int) -> Path:
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """The ``folder`` of one simulation's run, and who is told what happens, ``note``."""
+    """The ``folder`` of one simulation's run, and ``note``, which receives lines for the log."""
 
     folder: Path
     simulation: Simulation
@@ -114,10 +114,10 @@ class Store:
 
         Raises ``ResultsError`` when it was another simulation.
         """
-        asked = described(self.simulation) | {"every": repr(every)}
-        file, checkpoint = self.folder / ASKED, self.folder / CHECKPOINT
+        description = described(self.simulation) | {"every": repr(every)}
+        file, checkpoint = self.folder / DESCRIPTION, self.folder / CHECKPOINT
         if file.exists():
-            differs = first_difference(read_json(file), asked)
+            differs = first_difference(read_json(file), description)
             if differs:
                 raise ResultsError(
                     f"{self.folder} holds the run of something else ({differs}); go on with what "
@@ -126,10 +126,10 @@ class Store:
         if checkpoint.exists():
             with reading(checkpoint) as place:
                 return read_checkpoint(place, self.simulation), Progress.read(place)
-        self._begin(asked)
+        self._begin(description)
         return None
 
-    def _begin(self, asked: dict[str, str]) -> None:
+    def _begin(self, description: dict[str, str]) -> None:
         start, flow = self.simulation.start, self.simulation.flow
         make_folder(self.folder / FRAMES)
         with Writing(self.folder / SETUP) as place:
@@ -139,7 +139,7 @@ class Store:
                 write_rest(place.create_group(f"body_{number}"), Rest.of(body))
         if isinstance(flow, ChannelFlow):
             write_channel(self.folder / PARAVIEW, flow.problem.boundary)
-        write_json(self.folder / ASKED, asked)
+        write_json(self.folder / DESCRIPTION, description)
 
     def _frame(self, index: int) -> State:
         with reading(frame_file(self.folder, index)) as place:
@@ -180,9 +180,7 @@ class Progress:
 
     def write(self, place: h5py.Group) -> None:
         place["times"] = self.times
-        place.attrs.update(
-            columns=json.dumps(self.columns), sizes=self.sizes, seconds=self.seconds
-        )
+        place.attrs.update(columns=json.dumps(self.columns), sizes=self.sizes, seconds=self.seconds)
 
     @classmethod
     def read(cls, place: h5py.Group) -> Progress:

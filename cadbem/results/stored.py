@@ -12,7 +12,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ResultsError
-from cadbem.files import told
+from cadbem.files import as_results_error
 from cadbem.post.fields.frames import Frame
 from cadbem.results.encode import Rest, read_boundary, read_fields, read_rest, reading
 from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
@@ -82,7 +82,7 @@ def open_run(path: str | Path) -> StoredRun:
 
 def _columns(file: Path, size: int) -> dict[str, Any]:
     """Columns by name: of numbers, not a number where empty, or of words."""
-    with told(file):
+    with as_results_error(file):
         content = file.read_bytes()[:size]
     rows = list(csv.reader(content.decode().splitlines()))
     if len(content) < size or len({len(row) for row in rows}) > 1:

@@ -93,8 +93,8 @@ def as_task(point: Point) -> dict[str, Any]:
 
 def _resumed(folder: Path) -> list[str]:
     """The option to go on; a run that cannot is begun anew."""
-    asked = folder / "run.json"
-    if asked.exists() and "resume" in read_json(asked)["arguments"]:
+    manifest = folder / "run.json"
+    if manifest.exists() and "resume" in read_json(manifest)["arguments"]:
         return ["--resume"]
     shutil.rmtree(folder, ignore_errors=True)
     return []

@@ -134,8 +134,8 @@ class _Chooser:
         labels = solid_names(self.source, self._faces(), self.unit) if several else {}
         bodies = []
         for number, faces in self.solids.items():
-            told = Counter(labels[face.number] for face in faces if face.number in labels)
-            names = [name for name, _ in told.most_common(1)]
+            counts = Counter(labels[face.number] for face in faces if face.number in labels)
+            names = [name for name, _ in counts.most_common(1)]
             names.append(self.kernel.solids[number - 1].split("/")[-1])
             said = tuple(dict.fromkeys(name for name in names if not _UNSAID.fullmatch(name)))
             bodies.append(_Body(number, said, shells_of(faces)))

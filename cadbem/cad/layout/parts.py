@@ -59,7 +59,7 @@ def four_sided(loop: Loop) -> Part | None:
         return None
     ends = [*corners.tolist(), int(corners[0]) + len(loop)]
     sides = [tuple(loop[k % len(loop)] for k in range(a, b)) for a, b in pairwise(ends)]
-    if any(len(side) > 1 and any(trim.is_pole for trim in side) for side in sides):
+    if any(len(side) > 1 and any(trim.is_degenerate for trim in side) for side in sides):
         return None
     return part_of(sides)
 
@@ -139,5 +139,3 @@ def coons_points(borders: list[Array]) -> Array:
     low = (1 - xi) * south[:, :1, None] + xi * south[:, -1:, None]
     high = (1 - xi) * north[:, :1, None] + xi * north[:, -1:, None]
     return ruled - (1 - eta) * low - eta * high
-
-

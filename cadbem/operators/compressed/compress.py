@@ -10,7 +10,12 @@ import numpy as np
 
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.compressed.clusters import Pairs, Tree, cluster, partition
-from cadbem.operators.compressed.cross import MixedKernel, Seen, cross_approximation, recompressed
+from cadbem.operators.compressed.cross import (
+    MixedKernel,
+    PanelCluster,
+    cross_approximation,
+    recompressed,
+)
 from cadbem.operators.compressed.matrix import Collect, CompressedMatrix, Spread
 from cadbem.operators.compressed.near_blocks import NearAccumulator, NearBlocks
 from cadbem.operators.compressed.sources import PanelList, Sources, sources
@@ -192,12 +197,12 @@ class _Builder:
         """Crosses of a cluster of panels with clusters of targets: their rows together, and one
         table of columns a cluster of targets."""
         levels = [self._level(t, s) for t in near]
-        seen = {level: self._seen(s, level) for level in set(levels)}
+        clusters = {level: self._panel_cluster(s, level) for level in set(levels)}
         lefts: list[Array] = []
         rights: list[Array] = []
         for t, level in zip(near, levels, strict=True):
             at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
-            crosses = cross_approximation(seen[level], at, self.tolerance)
+            crosses = cross_approximation(clusters[level], at, self.tolerance)
             left, right = recompressed(*crosses, self.tolerance)
             lefts.append(left.astype(self.dtype))
             rights.append(right.astype(self.dtype))
@@ -222,12 +227,12 @@ class _Builder:
         """The first of the ``orders`` that is good enough between two clusters."""
         return int((self._reaches[:-1, s] > self._gap(t, s)).sum())
 
-    def _seen(self, s: int, level: int) -> Seen:
+    def _panel_cluster(self, s: int, level: int) -> PanelCluster:
         part = slice(self.panel_tree.start[s], self.panel_tree.stop[s])
         numbers = self.functions_of(s)
         flat, first = self.functions
         starts = first[part.start : part.stop + 1]
-        return Seen(
+        return PanelCluster(
             self.mixed,
             self._points.part(part),
             self._nodes[level].part(part),

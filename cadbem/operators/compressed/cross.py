@@ -45,7 +45,7 @@ class MixedKernel:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class PanelCluster:
     """A cluster of panels: its ``points`` for crosses and its ``nodes``, the ``patch`` (E,) of each
     panel, the panels' ``functions`` (numbers among the cluster's ``count``), flat, and where each
     panel's begin, ``function_first`` (E + 1,)."""
@@ -97,27 +97,29 @@ class Seen:
         return out.ravel()
 
 
-def cross_approximation(seen: Seen, targets: Array, tolerance: float) -> tuple[Array, Array]:
+def cross_approximation(
+    cluster: PanelCluster, targets: Array, tolerance: float
+) -> tuple[Array, Array]:
     """U (k, rows × T) and V (k, unknowns × F) with UᵀV ≈ the block, for targets (dim, T).
 
     It ends when the crosses of a whole target are smaller than ``tolerance`` times the largest.
     """
-    rows, count = seen.mixed.kernel.rows, targets.shape[1]
-    points = seen.mixed.unknowns * seen.points.position.shape[1]
+    rows, count = cluster.mixed.kernel.rows, targets.shape[1]
+    points = cluster.mixed.unknowns * cluster.points.position.shape[1]
     left = np.empty((FIRST_ROOM, rows * count))
-    right = np.empty((FIRST_ROOM, points + seen.mixed.unknowns * seen.count))
+    right = np.empty((FIRST_ROOM, points + cluster.mixed.unknowns * cluster.count))
     untried = np.ones(count, dtype=bool)
     target, largest, kept, done = count // 2, 0.0, 0, 0
     while untried.any():
         untried[target] = False
-        block = seen.row(np.ascontiguousarray(targets[:, target : target + 1]))
+        block = cluster.row(np.ascontiguousarray(targets[:, target : target + 1]))
         weight, largest_here = np.zeros(count), 0.0
         for i in range(rows):
             row = block[i] - left[:done, i * count + target] @ right[:done]
             pivot = int(abs(row[:points]).argmax())
             if row[pivot] == 0.0:
                 continue
-            column = seen.column(targets, pivot) - right[:done, pivot] @ left[:done]
+            column = cluster.column(targets, pivot) - right[:done, pivot] @ left[:done]
             column /= row[pivot]
             if done == len(left):
                 left, right = _doubled(left), _doubled(right)

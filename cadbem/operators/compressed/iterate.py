@@ -102,10 +102,16 @@ class Iteration:
                 return self._apply(values)
 
             operator = LinearOperator((whole.size, whole.size), apply, dtype=float)
-            rough = LinearOperator(operator.shape, self._precondition, dtype=float)
+            preconditioner = LinearOperator(operator.shape, self._precondition, dtype=float)
             # flexible, for the preconditioner rounds to 32 bits
             values, failed = gcrotmk(
-                operator, whole, M=rough, rtol=self.tolerance, m=INNER, k=KEPT, maxiter=OUTER
+                operator,
+                whole,
+                M=preconditioner,
+                rtol=self.tolerance,
+                m=INNER,
+                k=KEPT,
+                maxiter=OUTER,
             )
         if failed:
             residual = np.linalg.norm(self._apply(values) - whole) / np.linalg.norm(whole)

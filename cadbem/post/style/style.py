@@ -159,9 +159,9 @@ def round_values(low: float, high: float, count: int = 5) -> Array:
     """About ``count`` values between two limits, multiples of 1, 2 or 5 times a power of ten."""
     if not high > low:
         return np.array([low])
-    rough = (high - low) / count
-    power = 10.0 ** np.floor(np.log10(rough))
-    step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / rough)))
+    raw_step = (high - low) / count
+    power = 10.0 ** np.floor(np.log10(raw_step))
+    step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / raw_step)))
     first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
     return step * np.arange(first, last + 1) + 0.0  # no "-0"
 

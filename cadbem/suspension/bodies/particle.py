@@ -17,7 +17,7 @@ from cadbem.quadrature import Quadrature, Rules
 from cadbem.quadrature.closed import SelfRule
 from cadbem.space import Field
 from cadbem.spline.basis import Array
-from cadbem.suspension.bodies.body import NOTHING, Densities, Push
+from cadbem.suspension.bodies.body import NOTHING, ContactPressure, Densities
 from cadbem.suspension.interface.laws import Jump
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion
@@ -32,10 +32,10 @@ Vector = float | Sequence[float] | Array
 class RigidParticle:
     """A rigid body with a closed ``shape`` of degree-elevated, refined patches.
 
-    The shape is given where one likes; the centre of its volume goes to ``position`` (dim,), by
-    default it stays.  ``force`` (dim,) and ``torque`` (3,), or a number in a plane, act on the
-    centre from without, such as buoyancy; none by default.  Particles that share one shape share
-    its matrix.  Raises ShapeError for a shape that is not closed.
+    The shape may be given at any place; the centre of its volume is moved to ``position`` (dim,),
+    and stays where it is by default.  ``force`` (dim,) and ``torque`` (3,), or a number in a plane,
+    are external ones on the centre, such as buoyancy; zero by default.  Particles that share one
+    shape share its matrix.  Raises ShapeError for a shape that is not closed.
     """
 
     shape: Boundary
@@ -103,11 +103,11 @@ class RigidParticle:
         return self
 
     def drift(self, start: RigidParticle) -> float:
-        """None."""
+        """Zero: the volume does not change."""
         return 0.0
 
     def unresolved(self) -> str:
-        """Nothing."""
+        """An empty text: the shape does not change."""
         return ""
 
     @cached_property
@@ -118,15 +118,15 @@ class RigidParticle:
         return self.shape.transformed(turn, shift)
 
     def placed(self, rule: SelfRule) -> PlacedParticle:
-        """Its geometry, which is always sound."""
+        """Its geometry, which is always valid."""
         return PlacedParticle(self)
 
 
 @dataclass(frozen=True, eq=False)
 class PlacedParticle:
-    """A rigid particle as the flow sees it.
+    """A rigid particle with its geometry evaluated.
 
-    What it makes is worked out in its own axes, where its nodes never change.
+    Its layers are evaluated in its own axes, where its nodes never change.
     """
 
     body: RigidParticle
@@ -156,39 +156,43 @@ class PlacedParticle:
         return self._world(self.body.resistance.surface[0].position)
 
     def sources(self, densities: Densities) -> Sources:
-        """Nodes that make S[q] far away."""
+        """Nodes whose sum is S[q] far away."""
         position, weighted = self.body.resistance.nodes
         single, _ = densities
         if single is not None:
             single = self._turn @ single @ weighted
         return Sources(self._world(position), single)
 
-    def seen_from(self, points: Array) -> SeenParticle:
-        """The particle as seen from points (dim, M) off it."""
+    def near_field(self, points: Array) -> ParticleNearField:
+        """Evaluates the particle's layer at points (dim, M) off its surface."""
         own = self.body.resistance
         targets = Targets.free(np.ascontiguousarray(self._own(points)))
-        return SeenParticle(
+        return ParticleNearField(
             Potentials(own.kernel, own.space, targets, own.quadrature), self._turn
         )
 
     def equation(
-        self, viscosity: float, deflated: bool, push: Push | None = None, jump: Jump | None = None
+        self,
+        viscosity: float,
+        deflated: bool,
+        contact_pressure: ContactPressure | None = None,
+        jump: Jump | None = None,
     ) -> _Equation:
-        """Its part in the flow, pushed from without."""
-        return _Equation(self.body, self._turn, self._load(push) / viscosity, viscosity)
+        """Its equation, with a contact pressure."""
+        return _Equation(self.body, self._turn, self._load(contact_pressure) / viscosity, viscosity)
 
-    def _load(self, push: Push | None) -> Array:
+    def _load(self, contact_pressure: ContactPressure | None) -> Array:
         """Force and torque from without, in the body's axes, in one array."""
         force, torque = self.body.force, self.body.torque
         if self.body.dimension == 3:
             torque = self._turn.T @ np.broadcast_to(torque, 3)
         force = self._turn.T @ np.broadcast_to(force, self.body.dimension)
         load = np.append(force, torque)
-        if push is None:
+        if contact_pressure is None:
             return load
         own = self.body.resistance
         points, weights = own.surface
-        pressure = push(self._world(points.position))
+        pressure = contact_pressure(self._world(points.position))
         modes = rigid_motions(points.position - own.centre[:, None])
         return load - np.einsum("mcn,cn,n->m", modes, points.normal, pressure * weights)
 
@@ -211,15 +215,15 @@ class PlacedParticle:
         return self.body.pose.rate(response.velocity, response.angular_velocity)
 
     def fastest(self, viscosity: float) -> float:
-        """Nothing decays."""
+        """Zero: no waves decay on a rigid body."""
         return 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class ParticleResponse:
     """The ``velocity`` (dim,) of a particle's ``centre`` and its ``angular_velocity`` (3,), or (1,)
-    in a plane; the ``traction`` on it in its own axes, a field; the ``densities`` of all that it
-    makes, the equations' ``unknown``, and the number of ``iterations`` that they took."""
+    in a plane; the ``traction`` on it in its own axes, a field; the ``densities`` of its
+    layers, the equations' ``unknown``, and the number of ``iterations`` that they took."""
 
     centre: Array
     velocity: Array
@@ -236,8 +240,8 @@ class ParticleResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenParticle:
-    """What a particle makes at points off it."""
+class ParticleNearField:
+    """The velocity that a particle induces at points off its surface."""
 
     potentials: Potentials
     turn: Array
@@ -264,21 +268,21 @@ class _Equation:
     load_rate: Array
     viscosity: float
     couples: bool = True
-    load: Densities = NOTHING
+    fixed_densities: Densities = NOTHING
 
     def _unknown(self, velocity: Array, load: Array) -> Array:
-        traction, motion = self.body.resistance.respond(velocity, load)
+        traction, motion = self.body.resistance.solve(velocity, load)
         columns = np.zeros((2, len(velocity)))
         columns.ravel()[: len(motion)] = motion
         return np.concatenate([traction, columns.T], axis=1)
 
     @cached_property
-    def start(self) -> Array:
+    def right_side(self) -> Array:
         own = self.body.resistance
         return self._unknown(np.zeros((own.dimension, own.space.count)), self.load_rate)
 
-    def answer(self, felt: Array) -> Array:
-        return self._unknown(self.turn.T @ felt, np.zeros_like(self.load_rate))
+    def incident_term(self, incident: Array) -> Array:
+        return self._unknown(self.turn.T @ incident, np.zeros_like(self.load_rate))
 
     def apply(self, unknown: Array) -> Array:
         return unknown

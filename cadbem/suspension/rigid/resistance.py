@@ -141,7 +141,7 @@ class Resistance:
             rows.append((fields.reshape(-1, len(weights)) @ basis).reshape(*fields.shape[:2], -1))
         return np.concatenate(rows, axis=2)
 
-    def respond(self, velocity: Array, load: Array) -> tuple[Array, Array]:
+    def solve(self, velocity: Array, load: Array) -> tuple[Array, Array]:
         """f / μ, coefficients (dim, F), and (U, Ω) in one array, in a velocity u∞ (dim, F) at the
         collocation points, with (F, T) / μ in one array ``load``."""
         solved = self.factors.solve(velocity, np.append(-load, 0.0))

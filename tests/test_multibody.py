@@ -30,8 +30,8 @@ class Undisturbed:
     def jump_of(self, layers):
         return lambda points: 2 * (1 - self.ratio) * self.strain @ points.normal
 
-    def close(self, layers, respond):
-        return respond(self.jump_of(layers)), self.jump_of(layers)
+    def close(self, layers, velocity_response):
+        return velocity_response(self.jump_of(layers)), self.jump_of(layers)
 
 
 def shifted(dimension: int, n: int, centre, size: float) -> cb.ClosedSpline:
