@@ -63,7 +63,7 @@ class Record:
 
     @property
     def negative(self) -> Record:
-        """A accumulator that takes away from the same record."""
+        """An accumulator that takes away from the same record."""
         return Record(-self.sign, self.kept)
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:

@@ -156,7 +156,7 @@ class NearestSearch:
                 points, target[here], local, family.nets, family.squares, u, v, samples, found
             )
             sides = np.empty((len(points) + 1, len(here)))
-            _seen_from(points, target[here], local, family.nets, found, sides)
+            _sides_of_closest(points, target[here], local, family.nets, found, sides)
             distance[here], normal[:, here], cosine[here] = found[2], sides[:-1], sides[-1]
         return distance, normal, cosine
 
@@ -200,7 +200,7 @@ def _near_pairs(targets, centres, radii, samples, cover, reach, pairs):
 
 
 @compiled
-def _seen_from(targets, target_of, panel_of, nets, found, sides):
+def _sides_of_closest(targets, target_of, panel_of, nets, found, sides):
     """Normals, and the cosine between them and the way to the target, at closest points.
 
     ``found`` (3, pairs) as of ``closest_on_panels``; ``sides`` (dim + 1, pairs).

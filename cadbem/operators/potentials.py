@@ -47,7 +47,7 @@ class Potentials:
             densities = [
                 np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
             ]
-            accumulator = self._sink(
+            accumulator = self._accumulator(
                 np.zeros((self.kernel.rows, rows.stop - rows.start)), densities
             )
             if self.kernel.sums is None:
@@ -61,7 +61,7 @@ class Potentials:
         run_tasks(work, self._tasks, "fields")
         return results.sum(axis=0)
 
-    def _sink(self, result: Array, densities: Sequence[Array]) -> PotentialAccumulator:
+    def _accumulator(self, result: Array, densities: Sequence[Array]) -> PotentialAccumulator:
         return PotentialAccumulator(result, (self.kernel.single, self.kernel.double), densities)
 
     @cached_property

@@ -28,7 +28,7 @@ from cadbem.files import (
 from cadbem.post.bodies.series import write_channel, write_frame, write_index
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
-    Rest,
+    ReferenceShape,
     Writing,
     read_checkpoint,
     read_state,
@@ -36,7 +36,7 @@ from cadbem.results.encode import (
     write_boundary,
     write_checkpoint,
     write_fields,
-    write_rest,
+    write_reference_shape,
     write_state,
 )
 from cadbem.results.series import body_rows, frame_of, run_row
@@ -136,7 +136,7 @@ class Store:
             if isinstance(flow, ChannelFlow):
                 write_boundary(place.create_group("channel"), flow.problem.boundary)
             for number, body in zip(start.numbers, start.bodies, strict=True):
-                write_rest(place.create_group(f"body_{number}"), Rest.of(body))
+                write_reference_shape(place.create_group(f"body_{number}"), ReferenceShape.of(body))
         if isinstance(flow, ChannelFlow):
             write_channel(self.folder / PARAVIEW, flow.problem.boundary)
         write_json(self.folder / DESCRIPTION, description)

@@ -20,7 +20,7 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.far.equivalent import FarField, ball_around
-from cadbem.operators.far.exchange import Cloud, Exchange, clouds_of
+from cadbem.operators.far.interactions import FarInteractions, TargetCluster, target_clusters
 from cadbem.operators.parallel import in_shares
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.body import (
@@ -78,25 +78,25 @@ def _close(system: MultibodySystem, number: int, body: PlacedDroplet) -> list[An
 
 @dataclass(frozen=True, eq=False)
 class InducedField:
-    """The velocity that ``bodies`` induce at the points of an ``exchange``."""
+    """The velocity that ``bodies`` induce at the points of an ``interactions``."""
 
     bodies: Sequence[Placed]
-    exchange: Exchange
+    interactions: FarInteractions
 
     def velocity(self, densities: Sequence[Densities], sources: Sequence[int]) -> Array:
         """Velocity (dim, M) that some of them, the ``sources``, induce: Σ (S[q] + D[u]) / 2h."""
         active = [j for j in sources if densities[j] is not NOTHING]
-        total = self.exchange.apply(active, lambda j: self.bodies[j].sources(densities[j]))
+        total = self.interactions.apply(active, lambda j: self.bodies[j].sources(densities[j]))
         total /= 2 * stokes_sums(len(total)).free_term
         close = in_shares(lambda j: self._near_fields[j].velocity(densities[j]), active)
         for j, part in zip(active, close, strict=True):
-            total[:, self.exchange.near(j)] += part
+            total[:, self.interactions.near(j)] += part
         return total
 
     @cached_property
     def _near_fields(self) -> list[NearField]:
         """The evaluation of each body's layers at the points near it."""
-        points, near = self.exchange.points, self.exchange.near
+        points, near = self.interactions.points, self.interactions.near
         return [body.near_field(points[:, near(j)]) for j, body in enumerate(self.bodies)]
 
 
@@ -146,7 +146,7 @@ class MultibodySystem:
 
     def induced_at(self, points: Array, densities: Sequence[Densities]) -> Array:
         """The velocity that all bodies induce at points (dim, M) off their surfaces."""
-        induced = InducedField(self.bodies, self._exchange(points, clouds_of(points)))
+        induced = InducedField(self.bodies, self._interactions(points, target_clusters(points)))
         return induced.velocity(densities, range(len(self.bodies)))
 
     @cached_property
@@ -157,17 +157,19 @@ class MultibodySystem:
 
     def _field(self, receivers: Numbers) -> InducedField:
         """The velocity of all bodies at the walls and at some bodies' targets."""
-        clouds, parts = clouds_of(self._walls), [self._walls]
+        clusters, parts = target_clusters(self._walls), [self._walls]
         for i in receivers:
             first = sum(part.shape[1] for part in parts)
             parts.append(self.bodies[i].targets)
-            clouds.append(Cloud(first + np.arange(parts[-1].shape[1]), i))
-        return InducedField(self.bodies, self._exchange(np.concatenate(parts, axis=1), clouds))
+            clusters.append(TargetCluster(first + np.arange(parts[-1].shape[1]), i))
+        return InducedField(
+            self.bodies, self._interactions(np.concatenate(parts, axis=1), clusters)
+        )
 
-    def _exchange(self, points: Array, clouds: list[Cloud]) -> Exchange:
+    def _interactions(self, points: Array, clusters: list[TargetCluster]) -> FarInteractions:
         balls = [ball_around(b.samples) for b in self.bodies]
         expansions = self.far.expansions(len(points)) if self.far else ()
-        return Exchange(expansions, balls, points, clouds)
+        return FarInteractions(expansions, balls, points, clusters)
 
     def incident(self, receivers: Numbers) -> Incident:
         """The surroundings at some bodies' targets."""
