@@ -58,3 +58,12 @@ def test_public_names_have_docstrings():
     for name in listed():
         text = getattr(cadbem, name).__doc__
         assert text and not text.startswith(f"{name}("), f"{name} has no docstring"
+
+
+def test_files_of_the_glossary_exist():
+    rows = re.findall(r"^\| .* \|$", (ROOT / "docs" / "glossary.md").read_text(), re.MULTILINE)
+    words = [row for row in rows if not row.startswith("| word ")]
+    assert len(words) > 30
+    for row in words:
+        file = re.search(r"`([^`]+)` \|$", row)
+        assert file and (ROOT / file[1]).is_file(), f"no such file: {row}"
