@@ -1,4 +1,4 @@
-"""Machine code of Python functions, kept on disk until one of the files that it came from changes.
+"""Compiled functions, whose machine code is kept on disk until one of their source files changes.
 
 numba's own cache looks at the file of the function alone and so misses an edit of a function that
 another file calls.  Here the code is kept under a stamp of all files of the package that name this

@@ -1,4 +1,4 @@
-"""Files that are whole at any moment, whatever happens to the process that writes them."""
+"""Files that are complete at any moment, even if the process that writes them is interrupted."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a user is told while something lasts: bars with the remaining time, stages with theirs."""
+"""Messages during long computations: bars with the remaining time, and the times of stages."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def notice(text: str) -> None:
 
 
 def verbose() -> bool:
-    """Whether the user asked for stages and tracebacks."""
+    """Whether the user wants stages and tracebacks."""
     return STAGES.isEnabledFor(logging.INFO)
 
 

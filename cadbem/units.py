@@ -177,7 +177,7 @@ def check_same(length: str, values: Iterable[tuple[str, Any]]) -> None:
 
 @dataclass(frozen=True)
 class Numbers:
-    """What a flow is like, whatever its units: the ``capillary`` number Ca = μ U / γ,
+    """Dimensionless numbers of a flow: the ``capillary`` number Ca = μ U / γ,
     ``viscosity_ratio`` λ of inner over outer viscosity, ``reynolds`` number Re = ρ U L / μ; None
     where something for it is missing."""
 
@@ -197,8 +197,9 @@ def numbers(
 ) -> Numbers:
     """Dimensionless numbers of a flow, from quantities or numbers in consistent units.
 
-    Stokes flow takes Re for zero: cadbem's answers are off by about as much as Re, and worthless
-    where it is not far below 1.  Raises ``UnitsError`` for quantities of the wrong dimension.
+    Stokes flow is the limit Re → 0: the relative error of cadbem's results is about Re, so that
+    they are meaningless unless Re is far below 1.  Raises ``UnitsError`` for quantities of the
+    wrong dimension.
     """
     given = locals()
     for name, value in given.items():

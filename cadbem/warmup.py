@@ -1,4 +1,4 @@
-"""Compiles ahead by the smallest flows, bodies and heat problems that use all that is compiled."""
+"""Compiles all compiled functions, by small flows, bodies and heat problems that use them."""
 
 from __future__ import annotations
 
@@ -81,9 +81,7 @@ def _points(dimension: int) -> np.ndarray:
     return np.array([[0.5, 0.5]] * (dimension - 1) + [[0.5, 1e-3]])
 
 
-def _channel(
-    dimension: int, elements: int = 2, storage: Storage | None = None
-) -> StokesProblem:
+def _channel(dimension: int, elements: int = 2, storage: Storage | None = None) -> StokesProblem:
     conditions: dict[str, Condition] = {
         "inlet": Inflow(mean_velocity=1.0),
         "outlet": Pressure(0.0),

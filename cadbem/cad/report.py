@@ -1,4 +1,4 @@
-"""The health of a CAD file: what its faces are, and what keeps it from being a boundary."""
+"""The report on a CAD file: its faces, and what prevents them from being a boundary."""
 
 from __future__ import annotations
 

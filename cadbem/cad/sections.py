@@ -1,4 +1,4 @@
-"""Curves in which a plane cuts faces: which face, and the face's own curve instead of a fit."""
+"""Curves in which a plane cuts faces: the face of each, and its exact curve where there is one."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A CAD file face by face: patches where they can be laid, the reason where they cannot."""
+"""The survey of a CAD file, face by face: its patches, or the reason why there are none."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What all commands share: how they are declared, and what they refuse."""
+"""The argument parser of all commands, and the checks of their options."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cadbem run``, ``resume``, ``render`` and ``sweep``: scripts and what they left."""
+"""``cadbem run``, ``resume``, ``render`` and ``sweep``: scripts, and the folders of their runs."""
 
 from __future__ import annotations
 

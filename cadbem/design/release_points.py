@@ -1,4 +1,4 @@
-"""Where fluid enters: starts of passive tracers, each with the flow that it stands for."""
+"""Release points of passive tracers on inlets, each with the flow rate that it represents."""
 
 from __future__ import annotations
 
@@ -20,14 +20,15 @@ OPEN = Inflow | Pressure | Traction
 
 @dataclass(frozen=True, eq=False)
 class ReleasePoints:
-    """``points`` (dim, N), and the flow rate (N,) that each stands for."""
+    """Release points of tracers: ``points`` (dim, N), and the flow rate (N,) that each
+    represents."""
 
     points: Array
     flow_rates: Array
 
 
 def inlet_points(solution: StokesSolution, *names: str, count: int = 100) -> ReleasePoints:
-    """About ``count`` starts on the openings of some ``names``, by default all that let fluid in.
+    """About ``count`` release points on the openings of some ``names``, by default on all inlets.
 
     They are Gauss points, so that ∫ u·n g dS over the openings is the sum of flow rate times g.
     Raises ``ConditionError`` where nothing flows in, ``SelectionError`` for an unknown name.

@@ -40,7 +40,7 @@ class Tracers:
 
     ``openings`` (N names) through which they left, "" for those that did not; ``ended`` (N texts)
     says why each is followed no further.  Near walls, where the fluid is almost at rest, the
-    computed flow may lead into a wall.  ``flow_rates`` (N,) is what each stands for.
+    computed flow may lead into a wall.  ``flow_rates`` (N,) are those that each represents.
     """
 
     paths: tuple[Array, ...]

@@ -1,5 +1,5 @@
-"""Where contributions of panels go: matrices of a kernel, potentials of given densities, or a
-record that gives potentials of any densities later."""
+"""Accumulators receive the contributions of panels: in matrices of a kernel, in potentials of given
+densities, or in a record that gives potentials of any densities later."""
 
 from __future__ import annotations
 

@@ -56,7 +56,7 @@ class _Family:
 
 @dataclass(frozen=True, eq=False)
 class NearestSearch:
-    """What finds nearest points on a ``boundary``; built once, asked often.
+    """Search for nearest points on a ``boundary``; it is built once and used often.
 
     No point of a panel is farther from its nearest sample than the panel's ``cover``, so that only
     panels with a sample not much farther than the nearest one come into question.

@@ -1,7 +1,7 @@
 """Potentials of given densities at fixed targets, as often as densities change.
 
-What depends on geometry alone is found once: the tensor rule of each panel, which panels are too
-close to a target for it, and what their functions give there instead.  An application then sums the
+What depends on geometry alone is computed once: the tensor rule of each panel, the pairs that are
+too close for it, and the accurate integrals of those pairs.  An application then sums the
 kernel over all nodes and adds these corrections.
 """
 

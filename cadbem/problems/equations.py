@@ -1,4 +1,4 @@
-"""The equations of Stokes flow in a boundary: what is given, what is sought, the linear system."""
+"""The equations of Stokes flow in a boundary: given data, unknowns, and the linear system."""
 
 from __future__ import annotations
 

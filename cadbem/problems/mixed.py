@@ -1,4 +1,4 @@
-"""Mixed boundary value problems, whatever the equation: what is given where, what is sought.
+"""Mixed boundary value problems of any equation: given data and unknowns on each patch.
 
 On each patch a *value* u (velocity, temperature) and a *flux* f (traction, heat flux) are split
 into known parts and an unknown q: u = u_known + U q, f = f_known + F q.

@@ -28,14 +28,14 @@ class StokesProblem(StokesEquations):
     matrix, ``Dense()`` or ``Compressed(tolerance)``; by default what suits the number of points.
 
     Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
-    drive no flow, given velocities that let in more than out, a background within walls, unbounded
-    fluid in a plane (where a body that is pushed sets all of it in motion: Stokes' paradox), a
+    drive no flow, given velocities whose inflow and outflow differ, a background within walls,
+    unbounded fluid in a plane (which has no solution for a body under a force: Stokes' paradox), a
     viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
     made for another unit of length than the boundary's.
     """
 
     def solve(self) -> StokesSolution:
-        """Velocity and traction on the boundary, whence everything else follows.
+        """Velocity and traction on the boundary, from which all other fields follow.
 
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
@@ -66,10 +66,11 @@ class StokesProblem(StokesEquations):
         return other
 
     def reflection(self, induced: Array) -> StokesSolution:
-        """What the boundary adds to a flow that bodies make, with all given data zero.
+        """The flow that the boundary reflects of a flow that bodies induce, with all given data
+        zero.
 
-        ``induced`` (dim, T) is that flow at the collocation points, as it were without the
-        boundary.  The whole flow is the sum of ``solve()``, of this, and of what the bodies make;
+        ``induced`` (dim, T) is the induced velocity at the collocation points, as in unbounded
+        fluid.  The whole flow is the sum of ``solve()``, of this, and of the induced flow;
         its velocity on the boundary, which conserves mass, is that of both solutions.
         """
         zero = np.zeros((self.boundary.dimension, self.space.count))

@@ -1,7 +1,7 @@
 """Tables of nodes for pairs of a target and a panel that is close to it, or its own.
 
-Where the nodes lie say ``polar`` for surfaces, ``lines`` for curves, and ``uniform`` for the
-thesis's rules.
+The positions of the nodes come from ``polar`` for surfaces, from ``lines`` for curves, and from
+``uniform`` for the rules of the thesis.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""A value of nested frozen dataclasses as flat text, to tell whether two runs ask for the same."""
+"""A value of nested frozen dataclasses as flat text, to compare the definitions of two runs."""
 
 from __future__ import annotations
 

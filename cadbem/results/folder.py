@@ -22,7 +22,7 @@ MANIFEST, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
 
 @dataclass(frozen=True)
 class RunFolder:
-    """Where the results of a run go: ``folder / "picture.png"``; nothing is kept without a
+    """The folder of a run: ``folder / "picture.png"``; nothing is kept without a
     ``path``, and the folder then counts as false.  ``used`` are the parts that this process has."""
 
     path: Path | None

@@ -1,8 +1,8 @@
-"""A simulation's run kept in a folder while it goes on, from which it can go on after any end.
+"""The storage of a run in a folder while it goes on, from which it continues after any end.
 
 At each accepted step the frames that it completes are written, then the rows of the tables, and
-last the checkpoint, which says how many frames and bytes count.  What an interruption leaves beyond
-that is overwritten: a run loses at most the step that it was at.
+last the checkpoint, which says how many frames and bytes are valid.  What an interruption leaves
+beyond that is overwritten: a run loses at most the step that it was computing.
 """
 
 from __future__ import annotations

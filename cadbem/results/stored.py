@@ -1,4 +1,4 @@
-"""A run read back from its folder, without the script that made it."""
+"""A run read back from its folder, without its script."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of a file's solids, or which room in them, is the fluid."""
+"""The choice of the fluid: one of the solids of a file, or one of the cavities in them."""
 
 from __future__ import annotations
 

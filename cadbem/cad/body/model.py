@@ -1,4 +1,4 @@
-"""A CAD file opened: its faces, names and unit, and what keeps them from enclosing a fluid."""
+"""An opened CAD file: its faces, their names, its unit, and what prevents a closed boundary."""
 
 from __future__ import annotations
 
@@ -68,7 +68,8 @@ class CadModel:
         return patches, covering.deviation / scale
 
     def relaxed(self, face: BrepFace, deviation: float, tolerance: float) -> list[str]:
-        """A line to warn with if a face's patches deviate (file's unit) by more than was asked."""
+        """A line to warn with if a face's patches deviate (file's unit) by more than the
+        tolerance."""
         size = size_of(face) / self.unit.millimetres
         if deviation <= tolerance * size:
             return []

@@ -1,4 +1,4 @@
-"""The CAD kernel at work, in a process of its own: it may print, crash or hang.
+"""The child process in which the CAD kernel runs, as it may print, crash or hang.
 
 Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
 ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)

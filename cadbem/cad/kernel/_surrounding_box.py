@@ -1,4 +1,4 @@
-"""The box round a chip, from which the chip is taken to leave its room; part of `_child.py`."""
+"""The box around a chip; the channel is the box without the chip. Part of `_child.py`."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a CAD file says beside its geometry: unit of length; names, layers, colours of faces."""
+"""Labels of the faces in a CAD file: names, layers and colours; and its unit of length."""
 
 from __future__ import annotations
 

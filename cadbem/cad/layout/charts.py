@@ -1,7 +1,7 @@
-"""A face of the CAD model spread out in the plane, and the way back for four-sided parts of it.
+"""The map of a face to the plane, and the way back for four-sided parts of it.
 
-A plane face lies in the plane as it is, and its parts become patches whose edges are exact. Other
-faces are spread out by their surface's parameters, scaled by the mean lengths of the tangents so
+A plane face is only moved, and its parts become patches whose edges are exact. Other
+faces are mapped by the parameters of their surface, scaled by the mean lengths of the tangents so
 that angles and sizes are about those in space; parts that are not rectangles of parameters become
 splines through points of the surface, within a tolerance.
 """

@@ -1,4 +1,4 @@
-"""Four-sided parts of a region: their sides, and how well these are blended inside."""
+"""Four-sided parts of a region: their sides, and the quality of the Coons map inside."""
 
 from __future__ import annotations
 

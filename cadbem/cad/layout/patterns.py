@@ -1,4 +1,4 @@
-"""Ways to fill simple regions with parts round their middle, or round their only hole."""
+"""Patterns that fill simple regions with parts around their middle, or around their only hole."""
 
 from __future__ import annotations
 

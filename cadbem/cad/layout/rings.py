@@ -1,4 +1,4 @@
-"""Plane curves put together to closed rings, and rings to regions."""
+"""Plane curves joined to closed rings, and rings to regions."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Directed pieces of plane curves: what borders of faces and cuts through them are made of."""
+"""Directed pieces of plane curves, which form the borders of faces and the cuts through them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The text of a CAD file, looked at before the kernel sees it."""
+"""The text of a CAD file, checked before the kernel reads it."""
 
 from __future__ import annotations
 

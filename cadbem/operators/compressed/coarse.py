@@ -1,11 +1,13 @@
-"""A preconditioner on two levels: what is constant on large clusters is solved first.
+"""A preconditioner on two levels: a coarse problem of functions that are constant on large clusters
+is solved first.
 
 With the columns of Z constant on one cluster and zero elsewhere, and a preconditioner M of short
 reach, a right side r is solved approximately by
 
     Z c + M (r - A Z c),    (Zᵀ A Z) c = Zᵀ r,
 
-so that what travels through a long channel, above all pressure, need not wait for M.
+so that the pressure in a long channel converges in few iterations, in spite of the short reach of
+M.
 """
 
 from __future__ import annotations

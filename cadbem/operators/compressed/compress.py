@@ -1,4 +1,4 @@
-"""How a compressed matrix is made."""
+"""The construction of a compressed matrix."""
 
 from __future__ import annotations
 

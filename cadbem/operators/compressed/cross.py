@@ -1,15 +1,15 @@
-"""Adaptive cross approximation of what a cluster of panels does to a cluster of targets.
+"""Adaptive cross approximation of the block of a cluster of panels and a cluster of targets.
 
 A block K B of a mixed kernel K (targets × nodes) and a basis B (nodes × functions) becomes U V with
-few columns in U.  Crosses are chosen in K, between targets and a few points on each panel; what
-the row of a cross means for the functions is carried along, so that only rows are integrated:
+few columns in U.  Crosses are chosen in K, between targets and a few points on each panel; the row
+of each cross is integrated against the functions as well, so that only rows are integrated:
 
     row of target t:      r = K(t, points), s = K(t, nodes) B,
     column of a point p:  c = K(targets, p),
 
-each less what former crosses give there; then U gets the column c / r(p), V the row s.  (Bebendorf
-2000; points and functions side by side are as if the functions were more columns of the matrix,
-which are never asked for.)
+each minus the sum of the former crosses there; then U gets the column c / r(p), V the row s.
+(Bebendorf 2000; the functions are treated as further columns of the matrix, which are never
+computed.)
 """
 
 from __future__ import annotations

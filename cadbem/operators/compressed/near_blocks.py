@@ -1,4 +1,4 @@
-"""What panels do to targets near them: one dense block for each small cluster of targets."""
+"""Interactions of panels with targets near them: one dense block for each cluster of targets."""
 
 from __future__ import annotations
 

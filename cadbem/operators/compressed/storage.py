@@ -1,4 +1,4 @@
-"""How the matrix of layers is kept."""
+"""The choice of the storage of matrices: dense or compressed."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What bodies look like in pictures."""
+"""Surfaces, colours and names of bodies in pictures."""
 
 from __future__ import annotations
 

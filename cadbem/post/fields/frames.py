@@ -1,4 +1,4 @@
-"""Bodies in motion as pictures know them: frames, and the room that they take."""
+"""Frames, the form in which pictures receive bodies at one time, and the extent of frames."""
 
 from __future__ import annotations
 

@@ -22,7 +22,7 @@ QUALITY = 7  # of 10, of MP4: lines and letters stay sharp
 
 @dataclass(frozen=True, eq=False)
 class Shots:
-    """``count`` pictures that are taken when they are asked for, for the movie ``name``; colours
+    """``count`` pictures that are drawn one at a time, for the movie ``name``; colours
     (n, 3) of the ``scale`` in them, if there is one, which a GIF has to keep."""
 
     name: str

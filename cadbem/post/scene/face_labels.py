@@ -1,4 +1,4 @@
-"""Where a face can be seen in a picture, and where to write its number."""
+"""The visible part of each face in a picture, and the place of its number."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How every picture looks: colours, fonts, colour bars, units."""
+"""The style of all pictures: colours, fonts, colour bars, units."""
 
 from __future__ import annotations
 
@@ -131,7 +131,7 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
 
 
 def colour_limits(low: float, high: float) -> tuple[float, float]:
-    """Limits of the colours; rounding errors of a constant are not worth any."""
+    """Limits of the colours; rounding errors of a constant do not widen them."""
     room = 1e-3 * max(abs(low), abs(high), 1e-300)
     return (low, high) if high - low > room else (low - room, high + room)
 

@@ -1,4 +1,4 @@
-"""What droplets and rigid particles have in common.
+"""The protocols of bodies, which droplets and rigid particles fulfil.
 
 A ``Body`` is a value with coordinates; a step in time gives a body with other coordinates.  A
 ``Placed`` body is one with its geometry evaluated at one moment.  It has an equation of its own for

@@ -15,9 +15,13 @@ from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.quadrature.closed import SelfRule
-from cadbem.space import Field
 from cadbem.spline.basis import Array
-from cadbem.suspension.bodies.body import NOTHING, ContactPressure, Densities
+from cadbem.suspension.bodies.body import ContactPressure, Densities
+from cadbem.suspension.bodies.particle_equation import (
+    ParticleEquation,
+    ParticleNearField,
+    ParticleResponse,
+)
 from cadbem.suspension.interface.laws import Jump
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion
@@ -177,12 +181,14 @@ class PlacedParticle:
         deflated: bool,
         contact_pressure: ContactPressure | None = None,
         jump: Jump | None = None,
-    ) -> _Equation:
+    ) -> ParticleEquation:
         """Its equation, with a contact pressure."""
-        return _Equation(self.body, self._turn, self._load(contact_pressure) / viscosity, viscosity)
+        own, pose = self.body.resistance, self.body.pose
+        load = self._load(contact_pressure) / viscosity
+        return ParticleEquation(own, pose.position, self._turn, load, viscosity)
 
     def _load(self, contact_pressure: ContactPressure | None) -> Array:
-        """Force and torque from without, in the body's axes, in one array."""
+        """External force and torque, in the body's axes, in one array."""
         force, torque = self.body.force, self.body.torque
         if self.body.dimension == 3:
             torque = self._turn.T @ np.broadcast_to(torque, 3)
@@ -217,89 +223,3 @@ class PlacedParticle:
     def fastest(self, viscosity: float) -> float:
         """Zero: no waves decay on a rigid body."""
         return 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class ParticleResponse:
-    """The ``velocity`` (dim,) of a particle's ``centre`` and its ``angular_velocity`` (3,), or (1,)
-    in a plane; the ``traction`` on it in its own axes, a field; the ``densities`` of its
-    layers, the equations' ``unknown``, and the number of ``iterations`` that they took."""
-
-    centre: Array
-    velocity: Array
-    angular_velocity: Array
-    traction: Field
-    densities: Densities
-    unknown: Array
-    iterations: int
-
-    def velocity_at(self, points: Array) -> Array:
-        """The rigid motion at points (dim, M)."""
-        motion = np.concatenate([self.velocity, self.angular_velocity])
-        return np.einsum("m,mcn->cn", motion, rigid_motions(points - self.centre[:, None]))
-
-
-@dataclass(frozen=True, eq=False)
-class ParticleNearField:
-    """The velocity that a particle induces at points off its surface."""
-
-    potentials: Potentials
-    turn: Array
-
-    def velocity(self, densities: Densities) -> Array:
-        """S[q] / 2h (dim, M)."""
-        single, _ = densities
-        if single is None or not self.potentials.targets.count:
-            return np.zeros(self.potentials.targets.position.shape)
-        inside = 2 * self.potentials.kernel.free_term
-        return self.turn @ self.potentials.apply(single, np.zeros_like(single)) / inside
-
-
-@dataclass(frozen=True, eq=False)
-class _Equation:
-    """See ``Equation`` in ``body``.
-
-    w (dim, F + 2) is f / μ, coefficients in the body's axes, followed by U and Ω there;
-    ``load_rate`` the force and torque from without, over μ, in one array.
-    """
-
-    body: RigidParticle
-    turn: Array
-    load_rate: Array
-    viscosity: float
-    couples: bool = True
-    fixed_densities: Densities = NOTHING
-
-    def _unknown(self, velocity: Array, load: Array) -> Array:
-        traction, motion = self.body.resistance.solve(velocity, load)
-        columns = np.zeros((2, len(velocity)))
-        columns.ravel()[: len(motion)] = motion
-        return np.concatenate([traction, columns.T], axis=1)
-
-    @cached_property
-    def right_side(self) -> Array:
-        own = self.body.resistance
-        return self._unknown(np.zeros((own.dimension, own.space.count)), self.load_rate)
-
-    def incident_term(self, incident: Array) -> Array:
-        return self._unknown(self.turn.T @ incident, np.zeros_like(self.load_rate))
-
-    def apply(self, unknown: Array) -> Array:
-        return unknown
-
-    def densities(self, unknown: Array) -> Densities:
-        return np.ascontiguousarray(-unknown[:, :-2]), None
-
-    def response(self, unknown: Array, iterations: int) -> ParticleResponse:
-        motion = unknown[:, -2:].T.ravel()[: len(self.load_rate)]
-        velocity, spin = np.split(motion, [self.body.dimension])
-        traction = Field(self.body.resistance.space, self.viscosity * unknown[:, :-2])
-        return ParticleResponse(
-            centre=self.body.pose.position,
-            velocity=self.turn @ velocity,
-            angular_velocity=self.turn @ spin if len(spin) == 3 else spin,
-            traction=traction,
-            densities=self.densities(unknown),
-            unknown=unknown,
-            iterations=iterations,
-        )

@@ -6,9 +6,9 @@ the viscosity and u∞ the velocity that everything but the body makes,
     S[f] / (2 h μ) + U + Ω × (x - c) = u∞,    ∫ f dS = -F,    ∫ (x - c) × f dS = -T
 
 for the traction f of the fluid on the body, the velocity U of its centre c, the angular velocity Ω,
-and the force F and torque T that act on it from without.  A pressure f = n inside makes nothing; it
-is left out by ∫ f·n dS = 0, with a multiple of n to make room.  In the body's own axes the matrix
-is constant.
+and the external force F and torque T on it.  The traction f = n, a pressure inside, has no velocity
+outside; it is excluded by ∫ f·n dS = 0, with a multiple of n to make room.  In the body's own axes
+the matrix is constant.
 """
 
 from __future__ import annotations

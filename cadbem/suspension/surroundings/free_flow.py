@@ -29,7 +29,7 @@ class FreeFlow:
 
     @property
     def accuracy(self) -> float:
-        """Exact."""
+        """Zero: the background flow is exact."""
         return 0.0
 
     @property

@@ -1,4 +1,4 @@
-"""Time stepping: from one state (an array) to the next, with as few evaluations as may be.
+"""Time stepping of an array of coordinates, with few evaluations of its rate.
 
 Capillary relaxation is stiff with real negative rates, the largest growing with the number of
 points.  The default method is therefore a stabilised explicit one, Runge-Kutta-Chebyshev of second
