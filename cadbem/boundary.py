@@ -130,7 +130,7 @@ class Boundary:
         return hits
 
     def label(self, index: int) -> str:
-        """What to call a patch in a message: CAD face, name, middle."""
+        """Label of a patch for messages: CAD face, name, middle."""
         patch = self.patches[index]
         middle = np.array2string(patch.middle().position[:, 0], precision=4, separator=", ")
         number = f"face {patch.face}" if patch.face else f"patch {index}"

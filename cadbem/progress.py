@@ -40,7 +40,7 @@ def verbose() -> bool:
 
 @contextmanager
 def stage(label: str) -> Iterator[None]:
-    """Log how long something took, for those who want to know (``cadbem run --verbose``)."""
+    """Log the time of a stage of the computation (``cadbem run --verbose``)."""
     wall, cpu = time.perf_counter(), time.process_time()
     yield
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu

@@ -85,7 +85,7 @@ def _kind(parameter: inspect.Parameter) -> Any:
 
 
 def _remedy(values: Mapping[str, Any]) -> str:
-    """How an interrupted run can go on, if it can."""
+    """The command that continues an interrupted run, if there is one."""
     output = values.get("output")
     if "resume" in values and output and Path(output, "run.json").exists():
         return f"; go on with 'cadbem resume {output}'"

@@ -19,7 +19,7 @@ Dimension = tuple[int, int, int]  # powers of length, mass and time
 
 
 class Drawn(Protocol):
-    """What was drawn in some unit of length, such as a ``Boundary``."""
+    """A geometry with a unit of length, such as a ``Boundary``."""
 
     @property
     def source(self) -> str:
@@ -219,7 +219,7 @@ def _kind(name: str) -> tuple[Dimension, str, str, str]:
 
 
 def _words(dimension: Dimension) -> str:
-    """What a dimension is called."""
+    """The name of a dimension in words."""
     for kind in _KINDS.values():
         if kind[0] == dimension:
             return kind[1]

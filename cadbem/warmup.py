@@ -56,7 +56,7 @@ def warm_up() -> str | None:
 
 
 def _steps() -> Iterator[Step]:
-    """What uses compiled functions, in few words, and how to do it."""
+    """The steps of the warm-up: a short description of each, and a function that carries it out."""
     for dimension, place in ((3, "space"), (2, "a plane")):
         yield f"flow in {place}", partial(_flow, dimension)
         yield f"heat in {place}", partial(_heat, dimension)

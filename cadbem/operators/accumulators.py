@@ -71,7 +71,7 @@ class Record:
 
     @cached_property
     def _together(self) -> tuple[Index, Index, Index, Array] | None:
-        """All that is kept, summed: each function of a target once, as a pair with one function."""
+        """The sum of all entries: each function of a target once, as a pair with one function."""
         if not self.kept:
             return None
         rows, first_u, first_v, values = (np.concatenate(x) for x in zip(*self.kept, strict=True))

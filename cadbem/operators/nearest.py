@@ -28,7 +28,7 @@ OFF_POLE = 1e-6  # how near to a panel's edges its normal is asked for: some edg
 
 @dataclass(frozen=True, eq=False)
 class NearestPoints:
-    """For M points: the nearest point of the boundary, and the side from which it is seen.
+    """For M points: the nearest point of the boundary, and on which side of it they are.
 
     ``patch`` (M,) the number of its patch, -1 beyond reach; ``distance`` (M,), inf beyond reach;
     ``normal`` (dim, M) of the patch there, 0 beyond reach; ``before`` (M,) whether the point lies

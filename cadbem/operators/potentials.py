@@ -121,7 +121,7 @@ class Potentials:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Those ``nodes`` of a patch that are ``chosen``, at ``position``, with ``normal`` (dim, N)."""
+    """The ``nodes`` of a patch that are ``chosen``, at ``position``, with ``normal`` (dim, N)."""
 
     nodes: Nodes
     chosen: NDArray[np.bool_]

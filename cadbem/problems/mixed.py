@@ -61,7 +61,7 @@ class MixedSystem:
 
     @property
     def free_term(self) -> float:
-        """What the double layer makes of constant values."""
+        """The free term: the double layer of constant values."""
         return self.layers.kernel.free_term
 
     def known(self) -> tuple[Array, Array]:
@@ -76,7 +76,7 @@ class MixedSystem:
 
     @cached_property
     def factors(self) -> DenseFactors | Iteration:
-        """What solves for the unknowns."""
+        """The factorised system."""
         single = [self.flux_factor * s.flux_mixing for s in self.splits]
         double = [s.value_mixing for s in self.splits]
         if isinstance(self.layers, CompressedLayers):

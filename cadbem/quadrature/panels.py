@@ -160,7 +160,7 @@ def closest_on_panels(
 
 
 def side_extents(nets: Array) -> Array:
-    """How long the sides v = 0, u = 1, v = 1, u = 0 of panels are: (4, E), the longest is 1."""
+    """Lengths (4, E) of the sides v = 0, u = 1, v = 1, u = 0 of panels; the longest is 1."""
     points = nets[..., :-1] / nets[..., -1:]
     sides = points[:, :, 0], points[:, -1], points[:, :, -1], points[:, 0]
     extents = np.stack([abs(side - side[:, :1]).max(axis=(1, 2)) for side in sides])

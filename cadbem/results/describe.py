@@ -80,7 +80,7 @@ def _array(values: np.ndarray) -> str:
 
 
 def first_difference(old: Mapping[str, str], new: Mapping[str, str]) -> str:
-    """What differs first, as 'name: old, now new'; empty when nothing does."""
+    """The first difference, as 'name: old, now new'; empty when there is none."""
     for name in [*new, *(n for n in old if n not in new)]:
         before, now = old.get(name, "nothing"), new.get(name, "nothing")
         if before != now:

@@ -55,7 +55,7 @@ def reading(path: Path) -> h5py.File:
 
 
 def write_state(place: h5py.Group, state: State) -> None:
-    """All that a state has, but its simulation."""
+    """Write a state, without its simulation."""
     for name in COUNTS:
         place.attrs[name] = getattr(state, name)
     place.attrs["left"] = json.dumps(state.left)
@@ -102,7 +102,7 @@ def write_fields(place: h5py.Group, fields: Fields) -> None:
 
 
 def read_fields(place: h5py.Group) -> dict[int, dict[str, Array]]:
-    """Those fields, beside which there are only the bodies' coordinates."""
+    """The fields that were written, by number and name of the body."""
     return {
         int(n): {k: v[:] for k, v in place[f"body_{n}"].items() if k != "coordinates"}
         for n in place.attrs["numbers"]
@@ -165,7 +165,7 @@ def write_boundary(place: h5py.Group, boundary: Boundary) -> None:
 
 
 def read_boundary(place: h5py.Group) -> Boundary:
-    """Those patches."""
+    """The boundary that was written."""
     patches = tuple(_patch(place[f"patch_{i}"]) for i in range(place.attrs["patches"]))
     return Boundary(patches, place.attrs["source"], place.attrs["unit"])
 

@@ -141,7 +141,7 @@ def _resumed(path: Path, manifest: dict[str, Any]) -> RunFolder:
 
 
 def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    """What is not as it was when the run began, and may matter."""
+    """The changes since the run began that may matter."""
     old, new = before["script"], now["script"]
     if old and new and old["sha256"] != new["sha256"]:
         yield f"{new['file']} has changed since the run began"

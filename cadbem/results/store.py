@@ -90,7 +90,7 @@ class Store:
     def _rest(
         self, end: float, every: float | None, since: Checkpoint | None, progress: Progress
     ) -> Iterator[State]:
-        """What is still to be done."""
+        """The rest of the run: its steps after the checkpoint."""
         reached = since.state.time if since else 0.0
         started = time.process_time() - progress.seconds
         try:
@@ -170,7 +170,7 @@ class Store:
 
 @dataclass(frozen=True)
 class Progress:
-    """What counts of the files: the frames' ``times``, the ``columns`` of both tables and their
+    """The valid part of the files: the frames' ``times``, the ``columns`` of both tables and their
     ``sizes`` in bytes; CPU ``seconds`` spent."""
 
     times: tuple[float, ...] = ()

@@ -43,7 +43,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Result:
-    """What a ``check`` gave; ``trouble`` says why there is no number, if there is none."""
+    """The result of a ``check``; ``trouble`` says why there is no number, if there is none."""
 
     check: Check
     computed: float

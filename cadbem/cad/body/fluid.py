@@ -56,7 +56,7 @@ class _Body:
 
 
 def room_of(fluid: int | str) -> str:
-    """What the kernel has to prepare: "solid", "all" or "void".
+    """The shape that the kernel has to prepare: "solid", "all" or "void".
 
     Raises CadError if `fluid` is neither a name nor a number from 1.
     """
@@ -78,7 +78,7 @@ def choose_fluid(
     faces: Sequence[BrepFace],
     fluid: int | str = "solid",
 ) -> Fluid:
-    """The faces that `fluid` (see `read_cad`) means, of all that `import_model` found for it.
+    """The faces that `fluid` (see `read_cad`) selects from those that `import_model` found.
 
     Raises CadError if there is no such solid, shell or void.
     """

@@ -116,7 +116,7 @@ class CadModel:
         return lines
 
     def defective_faces(self) -> dict[int, str]:
-        """What is wrong with faces that leave the surface open or ambiguous, by number."""
+        """The defects of faces that leave the surface open or ambiguous, by number."""
         reasons: dict[int, str] = {}
         for defect in find_defects(self.faces):
             place = self.place(defect.place() / self.unit.millimetres)

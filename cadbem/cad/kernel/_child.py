@@ -167,7 +167,7 @@ def _is_better(before: dict, after: dict, tolerance: float) -> bool:
 
 
 def _prepared(gmsh, room: str) -> dict:
-    """What is left of the file's shapes, or what they leave over: see the top of this file."""
+    """The file's shapes, or the box without them: see the top of this file."""
     solids = gmsh.model.getEntities(3)
     if room == "all" and len(solids) > 1:
         gmsh.model.occ.removeAllDuplicates()

@@ -147,7 +147,7 @@ def _crash_message(source: CadSource, code: int, log: tuple[str, ...]) -> str:
 
 
 def _noteworthy(output: str) -> tuple[str, ...]:
-    """Lines of the kernel's output that tell of trouble, without terminal colours."""
+    """Lines of the kernel's output that report errors, without terminal colours."""
     lines = [line.replace("\x1b[32;1m", "").replace("\x1b[0m", "") for line in output.splitlines()]
     labels = ("Error", "ERR", "Warning", "fail", "Fail")
     found = [_one_line(line) for line in lines if any(label in line for label in labels)]

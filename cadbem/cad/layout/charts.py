@@ -223,7 +223,8 @@ def _closed(trims: list[TrimmingCurve], size: float, lift: Lift | None) -> Loop 
 
 
 def _bridge(start: Array, end: Array, size: float, lift: Lift | None) -> Loop | None:
-    """What is missing between two trims: nothing, a pole, or None if they do not meet."""
+    """The trims to insert between two trims: none, a degenerate edge, or None if they do not
+    meet."""
     if np.hypot(*(end - start)) <= JOINT * size:
         return ()
     if lift is None:

@@ -55,8 +55,8 @@ def best_cuts(region: Region, count: int) -> list[Cut]:
 
 
 def corner_cost(angle: Array) -> Array:
-    """How far a corner is from one, two or three right angles, in units of 60 degrees; corners
-    of three want another cut, and sharp ones are bad."""
+    """The difference of a corner from one, two or three right angles, in units of 60 degrees;
+    corners of three want another cut, and sharp ones are bad."""
     right, straight = np.abs(angle - np.pi / 2), np.abs(angle - np.pi)
     reflex = np.abs(angle - 1.5 * np.pi) + np.pi / 3
     cost = np.minimum(np.minimum(right, straight), reflex) / (np.pi / 3)
@@ -64,7 +64,7 @@ def corner_cost(angle: Array) -> Array:
 
 
 def right_angles(angle: Array) -> Array:
-    """How many right angles a corner holds: 1 up to 135 degrees, 2 up to 225, ..."""
+    """The number of right angles in a corner: 1 up to 135 degrees, 2 up to 225, ..."""
     return np.maximum(1, np.round(angle / (np.pi / 2)))
 
 

@@ -29,7 +29,7 @@ MOST_PARTS = 400
 
 @dataclass(eq=False)
 class _Search:
-    """How many more regions may be cut while looking for better ways."""
+    """The number of regions that may still be cut in the search for better divisions."""
 
     trials: int
 

@@ -28,8 +28,8 @@ class Part:
 
     @property
     def patches(self) -> int:
-        """How many smooth patches it becomes: it is cut where trims of a side meet, or where an
-        arc passes a right angle."""
+        """The number of smooth patches of the part, which is cut where trims of a side meet, or
+        where an arc passes a right angle."""
         across = [np.concatenate([joints(self.sides[k]), 1 - joints(self.sides[k + 2])[::-1]])
                   for k in (0, 1)]  # fmt: skip
         counts = [1 + len(np.unique(np.round(at, 6))) for at in across]

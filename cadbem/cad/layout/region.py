@@ -42,7 +42,7 @@ class Region:
 
     @cached_property
     def trims(self) -> Loop:
-        """Those of all loops, one loop after the other."""
+        """The trims of all loops, one loop after the other."""
         return tuple(trim for loop in self.loops for trim in loop)
 
     @cached_property
@@ -233,7 +233,7 @@ def is_inside(point: Array, loop: Loop) -> bool:
 
 
 def _winding(point: Array, loop: Loop) -> float:
-    """Angle under which the loop is seen, 2 π if it runs round the point once."""
+    """Angle that the loop subtends at a point, 2 π if it runs round the point once."""
     points = np.concatenate([trim.samples for trim in loop], axis=1) - point[:, None]
     return float(turns(points).sum())
 

@@ -35,7 +35,7 @@ THREADS_FROM = 400  # points from which threads are worth starting
 
 @dataclass(frozen=True, eq=False)
 class ClosedOperator:
-    """What the layers of every spline on one basis share: grids, nodes and tables."""
+    """The data that all splines on one basis share: grids, nodes and tables."""
 
     basis: ClosedBasis
     rule: SelfRule = PolarRule()

@@ -31,8 +31,8 @@ class Windows:
     points: Array
 
     def apply(self, single: Array | None, double: Array | None) -> Array:
-        """What windows change (dim, W), for densities q J and u (dim, nodes) at the grid's nodes,
-        or none."""
+        """The window corrections (dim, W), for densities q J and u (dim, nodes) at the grid's
+        nodes, or none."""
         kernel, _ = stokes_kernels(len(self.points))
         out = np.zeros(self.points.shape)
         for layout, density in ((kernel.single, single), (kernel.double, double)):

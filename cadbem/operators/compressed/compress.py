@@ -59,7 +59,7 @@ def compress(
 
 @dataclass(frozen=True, eq=False)
 class _Builder:
-    """What both parts of a compressed matrix are made from."""
+    """The data from which both parts of a compressed matrix are built."""
 
     mixed: MixedKernel
     unordered: PanelList

@@ -76,8 +76,8 @@ class NearBlocks:
 
 @dataclass(frozen=True, eq=False)
 class NearAccumulator:
-    """Adds what a patch does to near blocks: see ``Accumulator``; ``offset`` of the patch's
-    functions, of which ``columns`` make a row."""
+    """Adds the contributions of a patch to near blocks: see ``Accumulator``; ``offset`` of the
+    patch's functions, of which ``columns`` make a row."""
 
     blocks: NearBlocks
     patch: int

@@ -39,7 +39,7 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Overlapping:
-    """What comes near the inverse of a square compressed matrix."""
+    """An approximate inverse of a square compressed matrix."""
 
     parts: Sequence[Part]
 

@@ -34,5 +34,5 @@ Storage = Dense | Compressed
 
 
 def storage_for(count: int) -> Storage:
-    """What suits so many collocation points."""
+    """The default storage for this number of collocation points."""
     return Dense() if count <= DENSE_TO else Compressed()

@@ -52,7 +52,7 @@ class _Space(Protocol):
 
 
 class WallSolution(Protocol):
-    """What is drawn of a solution: the traction on the boundary and the conditions."""
+    """The part of a solution that is drawn: the traction on the boundary and the conditions."""
 
     @property
     def problem(self) -> _Problem: ...

@@ -29,7 +29,7 @@ INSET = 1e-3  # share of a patch: where values at its edges are taken, as poles 
 
 
 class FlowSolution(Protocol):
-    """What is sampled of a solution."""
+    """The part of a solution that is sampled."""
 
     @property
     def space(self) -> Space: ...

@@ -35,7 +35,7 @@ class Shots:
 
 
 def encoder(target: Path) -> Callable[[Path, Shots], None]:
-    """What writes a movie in the format of the ending.
+    """The writer of a movie in the format of the ending.
 
     Raises ``CadbemError`` for endings other than .mp4 and .gif, and without an encoder.
     """

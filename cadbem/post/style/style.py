@@ -50,7 +50,7 @@ def _palette(count: int) -> list[str]:
 
 
 class UnitNames(Protocol):
-    """What units are called, such as "mm", "s", "Pa"; empty where there are none."""
+    """The names of units, such as "mm", "s", "Pa"; empty where there are none."""
 
     @property
     def length(self) -> str: ...
@@ -83,7 +83,7 @@ def quantity_label(quantity: str, unit: str, units: UnitNames | None = None) -> 
 
 
 def length_unit(boundary: Boundary | None, units: UnitNames | None) -> str:
-    """What the unit of length is called: by ``units``, else by the boundary's CAD file."""
+    """The name of the unit of length: from ``units``, else from the boundary's CAD file."""
     if units is not None:
         return units.length
     return "" if boundary is None else boundary.unit

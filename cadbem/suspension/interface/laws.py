@@ -24,7 +24,7 @@ VelocityResponse = Callable[[Jump], Array]
 
 
 class InterfaceLaw(Protocol):
-    """What every interface law offers."""
+    """The protocol of interface laws."""
 
     def close(
         self, layers: ClosedLayers, velocity_response: VelocityResponse

@@ -75,7 +75,7 @@ class InextensibleMembrane:
         return velocity_response(jump), jump
 
     def stiffness(self, wave_number: float) -> float:
-        """That of bending, and τ k²."""
+        """The stiffness of bending, plus τ k²."""
         bending = Bending(self.rigidity).stiffness(wave_number)
         return bending + self.tension * wave_number**2
 

@@ -49,7 +49,7 @@ class Gap:
 
 
 class Contact(Protocol):
-    """What happens in narrow gaps."""
+    """A rule for narrow gaps."""
 
     def reason(self, gap: Gap) -> str:
         """Why a run cannot go on, or an empty text."""

@@ -63,7 +63,7 @@ class Resistance:
 
     @cached_property
     def kernel(self) -> Kernel:
-        """That of the velocity."""
+        """The kernel of the velocity."""
         return stokes_kernels(self.dimension)[0]
 
     @cached_property
@@ -98,7 +98,7 @@ class Resistance:
 
     @cached_property
     def nearest(self) -> NearestSearch:
-        """What finds nearest points on the surface."""
+        """The search for nearest points on the surface."""
         return NearestSearch(self.boundary)
 
     @cached_property

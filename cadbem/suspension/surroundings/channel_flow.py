@@ -38,7 +38,7 @@ class ChannelFlow:
 
     @property
     def background(self) -> None:
-        """None: the fluid is bounded."""
+        """None, as the fluid is bounded."""
         return None
 
     @cached_property

@@ -158,13 +158,13 @@ class Simulation:
         )  # fmt: skip
 
     def _needs_slope(self, slope: Array | None) -> bool:
-        """Whether the slope at a step's end must be worked out for the next step."""
+        """Whether the slope at the end of a step is needed for the next step."""
         return slope is None or self.mesh is not None
 
     def _accept(
         self, old: State, after: State, slope: Array | None, following: float
     ) -> Checkpoint:
-        """The checkpoint after a step; the old one, stopped, if it is not sound.
+        """The checkpoint after a step; the old one, stopped, if the new one is not valid.
 
         The state is made anew only where it changes: it has its gaps worked out.
         """

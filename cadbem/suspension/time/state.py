@@ -55,7 +55,7 @@ class State:
 
     @property
     def droplets(self) -> tuple[Droplet, ...]:
-        """Those bodies that are droplets."""
+        """The bodies that are droplets."""
         return tuple(b for b in self.bodies if isinstance(b, Droplet))
 
     @property

@@ -26,8 +26,9 @@ DAMPING = 2 / 13
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What came of an attempt: the new ``state``, its ``slope`` if known, the estimated ``error``
-    (an array like the state) and its power of the step's length, and the ``evaluations`` spent."""
+    """The result of an attempted step: the new ``state``, its ``slope`` if known, the estimated
+    ``error`` (an array like the state) and its power of the step's length, and the ``evaluations``
+    spent."""
 
     state: Array
     slope: Array | None
