@@ -28,7 +28,7 @@ HEAD = """# Gallery
 One picture a thing, with the lines that make it. They are run from the project's folder, after
 `import cadbem as cb` and `import numpy as np`. `python docs/gallery.py` makes the pictures and this
 page. What draws quantities takes `units=` (anything with `length`, `time` and `pressure`, such as
-`cb.Units()`), which colour bars and axes then name; without them they tell the CAD file's unit of
+`cb.Units()`), which colour bars and axes then name; without them they give the CAD file's unit of
 length and leave time and viscosity open. No screen is needed.
 """
 

@@ -74,7 +74,7 @@ def run_point(values: dict[str, Any], stop: Event | None = None) -> str:
 
 
 def _ended(point: Point, code: int) -> str:
-    """The error of the run, or an empty text; a run without error is marked as complete."""
+    """Why the run failed, or an empty text; a run that did not fail is marked as complete."""
     if code < 0:
         return f"was killed by signal {-code}"
     if code:
@@ -92,7 +92,7 @@ def as_task(point: Point) -> dict[str, Any]:
 
 
 def _resumed(folder: Path) -> list[str]:
-    """The option to go on; a run that cannot is begun anew."""
+    """The option that continues a run; a run without that option begins again."""
     manifest = folder / "run.json"
     if manifest.exists() and "resume" in read_json(manifest)["arguments"]:
         return ["--resume"]
