@@ -9,6 +9,7 @@ from test_closed_layers import stokeslet, wavy
 import cadbem as cb
 from cadbem.operators.far.equivalent import Expansion, Sources, ball_around, point_sources
 from cadbem.operators.far.interactions import FarInteractions, TargetCluster, target_clusters
+from cadbem.quadrature.closed import PolarRule
 from cadbem.suspension.multibody.multibody import velocity_responses
 
 
@@ -23,7 +24,7 @@ def nodes(dimension: int, centre, size: float) -> Sources:
     middle = np.reshape(centre, (-1, *[1] * (shape.coefficients.ndim - 1)))
     body = cb.Droplet(
         cb.ClosedSpline(shape.basis, size * shape.coefficients + middle), cb.SurfaceTension(1.0)
-    ).placed(cb.PolarRule())
+    ).placed(PolarRule())
     c = shape.coefficients
     return body.sources((np.stack([*c[1:], 1 + c[0] * c[1]]), c + 0.5 * c[::-1] ** 2))
 
@@ -76,7 +77,7 @@ def test_a_shell_of_force_and_a_shell_of_sources():
     n n is I / 3 in the mean.  Two more bodies that make nothing, and clusters at all distances."""
     radius, centre, force = 0.7, np.array([1.0, 2.0, -1.0]), np.array([0.3, -1.0, 0.5])
     body = cb.Droplet(cb.spline_sphere(radius, centre, points=800), cb.SurfaceTension(1.0)).placed(
-        cb.PolarRule(1e-9)
+        PolarRule(1e-9)
     )
     area = 4 * np.pi * radius**2
     shape = body.layers.spline.coefficients
@@ -127,7 +128,7 @@ def suspension(dimension: int, ratio: float) -> list:
 @pytest.mark.parametrize("dimension, ratio", [(2, 5.0), (3, 1.0), (3, 5.0)])
 def test_many_bodies_against_direct_sums(dimension, ratio):
     """All velocities to a few times the far fields' tolerance, relative to the fastest."""
-    placed = [b.placed(cb.PolarRule()) for b in suspension(dimension, ratio)]
+    placed = [b.placed(PolarRule()) for b in suspension(dimension, ratio)]
     flow = cb.FreeFlow(cb.shear(dimension=dimension))
 
     def velocities(far):

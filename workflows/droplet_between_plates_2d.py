@@ -15,7 +15,9 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.interface.laws import thesis_tension_2d
 from cadbem.suspension.multibody.contact import narrowest
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.plates import between_plane_plates as between_plates
 from cadbem.verification.theory import far_plates
 
@@ -44,7 +46,7 @@ def simulate(
 ) -> cb.History:
     """A droplet that is round at first."""
     shape = cb.spline_circle(points=points, degree=degree, centre=centre)
-    droplet = cb.Droplet(shape, cb.thesis_tension_2d(capillary), ratio)
+    droplet = cb.Droplet(shape, thesis_tension_2d(capillary), ratio)
     choice = {"stepper": cb.Adaptive(1e-4)} | options
     return cb.record(cb.Simulation(flow, droplet, **choice).run(end, every=end / FRAMES))
 
@@ -79,7 +81,7 @@ def main(
         made |= {("resolution", *key): run for key, run in runs.items()}
 
     if "thesis" in parts:
-        options = {"degree": 2, **cb.thesis_methods()}
+        options = {"degree": 2, **thesis_methods()}
         runs = {w: simulate(between_plates(w, parts=7), *case, 20, end, **options) for w in wanted}
         report_thesis(runs)
         made |= {("thesis", w): run for w, run in runs.items()}

@@ -15,6 +15,7 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.theory import cox
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
@@ -58,7 +59,7 @@ def main(
     folder = cb.run_folder(output, resume=resume)
     case = (capillary, viscosity_ratio)
     ours = {"degree": degree, "stepper": cb.Adaptive(tolerance), "end": end}
-    thesis = {"degree": 2, "end": end, **cb.thesis_methods()}
+    thesis = {"degree": 2, "end": end, **thesis_methods()}
     made: Runs = {}
 
     # Fig. 4.3: one droplet, ours and the thesis's way without and with mesh relaxation

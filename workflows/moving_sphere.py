@@ -13,10 +13,11 @@ from math import pi
 import numpy as np
 
 import cadbem as cb
+from cadbem.spline.shapes import sphere_with_poles
 from cadbem.verification.walls import near_wall
 
 MOTION = cb.RigidMotion(velocity=(1.0, 0.0, 0.0), angular_velocity=(0.0, 1.0, 0.0))
-SPHERES = ((cb.sphere, 4), (cb.sphere_octants, 2), (cb.sphere_with_poles, 2))
+SPHERES = ((cb.sphere, 4), (cb.sphere_octants, 2), (sphere_with_poles, 2))
 DRAG_211 = (22.6937530132454298, 25.9916348835661665, 25.9916348835661665)  # axes 2, 1, 1
 PAIRS = {3.0: 0.804721760669963725, 2.0: 0.742258285069086028, 1.5: 0.698304560250037017}
 WALL = {  # height of the centre: drag along the wall, torque, drag away from it
