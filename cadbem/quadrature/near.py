@@ -51,6 +51,17 @@ def _nodes_of_pair(
 
 
 @compiled
+def _place_foot(net, curve, u, v, foot, work):
+    """The closest point into ``foot``; on a curve, prepare differences from it."""
+    lu, su, lv, sv, point, tu, tv = work
+    metric(net, u, v, lu, su, lv, sv, point, tu, tv)
+    for c in range(len(foot)):
+        foot[c] = point[c]
+    if curve is not None:
+        part_from(net, u, point, curve)
+
+
+@compiled
 def _fill_tables(
     net, curve, u, foot, nodes, count, used, work, spare, position, normal, weight, bu, bv
 ):
@@ -110,11 +121,7 @@ def place_nodes(
         )  # fmt: skip
         if count < 0:
             break
-        metric(net, u[k], v[k], lu, su, lv, sv, point, tu, tv)
-        for c in range(dim):
-            foot[c, done] = point[c]
-        if curve is not None:
-            part_from(net, u[k], point, curve)
+        _place_foot(net, curve, u[k], v[k], foot[:, done], work)
         _fill_tables(
             net, curve, u[k], foot[:, done], nodes, count, used, work, spare,
             position, normal, weight, bu, bv,

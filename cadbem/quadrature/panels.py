@@ -138,6 +138,31 @@ def _shortened(net, u, v, step_u, step_v, targets, t, square, work):
 
 
 @compiled
+def _descended(net, u, v, square, targets, t, bounds, work):
+    """Gauss-Newton from u, v: the parameters of the closest point, and the square of its
+    distance."""
+    bu, du, bv, dv, point, tu, tv = work
+    low_u, high_u, low_v, high_v = bounds[0], bounds[1], bounds[2], bounds[3]
+    for _ in range(30):
+        fill_bernstein(net.shape[0] - 1, u, bu, du)
+        fill_bernstein(net.shape[1] - 1, v, bv, dv)
+        evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
+        step_u, step_v = _step(u, v, point, tu, tv, targets, t)
+        step_u = _approaching(u, step_u, low_u, high_u)
+        step_v = _approaching(v, step_v, low_v, high_v)
+        accepted, new_u, new_v, distance = _shortened(
+            net, u, v, step_u, step_v, targets, t, square, work
+        )
+        if not accepted:
+            break
+        moved = abs(new_u - u) + abs(new_v - v)
+        u, v, square = new_u, new_v, distance
+        if moved < 1e-12:
+            break
+    return u, v, square
+
+
+@compiled
 def closest_on_panels(
     targets, target_of, panel_of, nets, squares, sample_u, sample_v, samples, result
 ):  # fmt: skip
@@ -153,8 +178,7 @@ def closest_on_panels(
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, targets.shape[0]
     bu, du = np.empty(p + 1), np.empty(p + 1)
     bv, dv = np.empty(q + 1), np.empty(q + 1)
-    point, tu, tv, trial = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
-    work = (bu, du, bv, dv, trial, tu, tv)
+    work = (bu, du, bv, dv, np.empty(dim), np.empty(dim), np.empty(dim))
     for k in range(len(target_of)):
         e, t = panel_of[k], target_of[k]
         net = nets[e]
@@ -162,22 +186,7 @@ def closest_on_panels(
         low_v, high_v = squares[e, 2], squares[e, 3]
         best, square = _nearest_sample(targets, t, samples[e], sample_u, sample_v, squares[e])
         u, v = sample_u[best], sample_v[best]
-        for _ in range(30):
-            fill_bernstein(p, u, bu, du)
-            fill_bernstein(q, v, bv, dv)
-            evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
-            step_u, step_v = _step(u, v, point, tu, tv, targets, t)
-            step_u = _approaching(u, step_u, low_u, high_u)
-            step_v = _approaching(v, step_v, low_v, high_v)
-            accepted, new_u, new_v, distance = _shortened(
-                net, u, v, step_u, step_v, targets, t, square, work
-            )
-            if not accepted:
-                break
-            moved = abs(new_u - u) + abs(new_v - v)
-            u, v, square = new_u, new_v, distance
-            if moved < 1e-12:
-                break
+        u, v, square = _descended(net, u, v, square, targets, t, squares[e], work)
         u = 0.0 if u < low_u else (1.0 if u > high_u else u)
         v = 0.0 if v < low_v else (1.0 if v > high_v else v)
         result[0, k], result[1, k], result[2, k] = u, v, sqrt(square)
