@@ -67,3 +67,13 @@ def test_files_of_the_glossary_exist():
     for row in words:
         file = re.search(r"`([^`]+)` \|$", row)
         assert file and (ROOT / file[1]).is_file(), f"no such file: {row}"
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_paths_on_pages_exist(page):
+    """Paths from the repository, from the package, or from one of its rooms."""
+    text = (ROOT / page).read_text()
+    for path in re.findall(r"`([\w/.]+/[\w.]*)`", text):
+        places = [ROOT / path, ROOT / "cadbem" / path, *(ROOT / "cadbem").glob(f"*/{path}")]
+        of_a_run = path.startswith("frames/")
+        assert of_a_run or any(place.exists() for place in places), f"{page}: no {path}"
