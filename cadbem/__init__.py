@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from cadbem.design.network import OperatingPoint as OperatingPoint
     from cadbem.design.network import hydraulic_network as hydraulic_network
     from cadbem.design.network import network_of as network_of
-    from cadbem.design.release_points import Starts as Starts
-    from cadbem.design.release_points import inlet_starts as inlet_starts
+    from cadbem.design.release_points import ReleasePoints as ReleasePoints
+    from cadbem.design.release_points import inlet_points as inlet_points
     from cadbem.design.tracers import Tracers as Tracers
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
@@ -81,8 +81,6 @@ if TYPE_CHECKING:
     from cadbem.problems.heat_solution import HeatSolution as HeatSolution
     from cadbem.problems.solution import StokesSolution as StokesSolution
     from cadbem.problems.stokes import StokesProblem as StokesProblem
-    from cadbem.quadrature.closed import PolarRule as PolarRule
-    from cadbem.quadrature.closed import SingularitySubtraction as SingularitySubtraction
     from cadbem.quadrature.options import Quadrature as Quadrature
     from cadbem.results import RunFolder as RunFolder
     from cadbem.results import StoredRun as StoredRun
@@ -94,7 +92,6 @@ if TYPE_CHECKING:
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
-    from cadbem.spline.closed import ClosedBasis as ClosedBasis
     from cadbem.spline.closed import ClosedSpline as ClosedSpline
     from cadbem.spline.closed import closed_spline as closed_spline
     from cadbem.spline.closed_shapes import spline_circle as spline_circle
@@ -107,7 +104,6 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import plate as plate
     from cadbem.spline.shapes import sphere as sphere
     from cadbem.spline.shapes import sphere_octants as sphere_octants
-    from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
     from cadbem.suspension.bodies.droplet import Droplet as Droplet
     from cadbem.suspension.bodies.particle import RigidParticle as RigidParticle
     from cadbem.suspension.bodies.rigid_shapes import rigid_ellipsoid as rigid_ellipsoid
@@ -115,7 +111,6 @@ if TYPE_CHECKING:
     from cadbem.suspension.interface.laws import Bending as Bending
     from cadbem.suspension.interface.laws import SurfaceTension as SurfaceTension
     from cadbem.suspension.interface.laws import capillary_tension as capillary_tension
-    from cadbem.suspension.interface.laws import thesis_tension_2d as thesis_tension_2d
     from cadbem.suspension.interface.membrane import InextensibleMembrane as InextensibleMembrane
     from cadbem.suspension.interface.mesh import RelaxMesh as RelaxMesh
     from cadbem.suspension.interface.motion import affine_velocity as affine_velocity
@@ -125,7 +120,6 @@ if TYPE_CHECKING:
     from cadbem.suspension.multibody.contact import Repel as Repel
     from cadbem.suspension.multibody.contact import StopAtGap as StopAtGap
     from cadbem.suspension.multibody.measures import inclination as inclination
-    from cadbem.suspension.multibody.measures import measure as measure
     from cadbem.suspension.multibody.measures import taylor_deformation as taylor_deformation
     from cadbem.suspension.surroundings.channel_flow import ChannelFlow as ChannelFlow
     from cadbem.suspension.surroundings.flows import UserFlow as UserFlow
@@ -143,7 +137,6 @@ if TYPE_CHECKING:
     from cadbem.suspension.time.state import State as State
     from cadbem.suspension.time.stepping import Adaptive as Adaptive
     from cadbem.suspension.time.stepping import Euler as Euler
-    from cadbem.suspension.time.thesis_methods import thesis_methods as thesis_methods
     from cadbem.units import Numbers as Numbers
     from cadbem.units import Quantity as Quantity
     from cadbem.units import Units as Units
@@ -157,7 +150,7 @@ _NAMES = {
     "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
     "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
     "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
-    "design.release_points": ("Starts", "inlet_starts"),
+    "design.release_points": ("ReleasePoints", "inlet_points"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
@@ -172,6 +165,7 @@ _NAMES = {
         "UnitsError",
     ),
     "extension": ("extended",),
+    "operators.compressed.storage": ("Compressed", "Dense"),
     "operators.far.equivalent": ("FarField",),
     "post": (
         "Frame",
@@ -211,36 +205,30 @@ _NAMES = {
     "problems.heat_solution": ("HeatSolution",),
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
-    "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
-    "operators.compressed.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
     "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
     "script": ("run", "text_table"),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
-    "spline.closed": (
-        "ClosedBasis",
-        "ClosedSpline",
-        "closed_spline",
-    ),
+    "spline.closed": ("ClosedSpline", "closed_spline"),
     "spline.closed_shapes": (
         "spline_circle",
         "spline_ellipse",
         "spline_ellipsoid",
         "spline_sphere",
     ),
-    "spline.shapes": (
-        "box",
-        "cylinder",
-        "ellipsoid",
-        "plate",
-        "sphere",
-        "sphere_octants",
-        "sphere_with_poles",
-    ),
-    "suspension.surroundings.channel_flow": ("ChannelFlow",),
-    "suspension.multibody.contact": ("Repel", "StopAtGap"),
+    "spline.shapes": ("box", "cylinder", "ellipsoid", "plate", "sphere", "sphere_octants"),
     "suspension.bodies.droplet": ("Droplet",),
+    "suspension.bodies.particle": ("RigidParticle",),
+    "suspension.bodies.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
+    "suspension.interface.laws": ("Bending", "SurfaceTension", "capillary_tension"),
+    "suspension.interface.membrane": ("InextensibleMembrane",),
+    "suspension.interface.mesh": ("RelaxMesh",),
+    "suspension.interface.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
+    "suspension.interface.volume": ("CorrectVolume",),
+    "suspension.multibody.contact": ("Repel", "StopAtGap"),
+    "suspension.multibody.measures": ("inclination", "taylor_deformation"),
+    "suspension.surroundings.channel_flow": ("ChannelFlow",),
     "suspension.surroundings.flows": (
         "UserFlow",
         "at_rest",
@@ -253,23 +241,9 @@ _NAMES = {
     ),
     "suspension.surroundings.free_flow": ("FreeFlow",),
     "suspension.time.history": ("History", "record"),
-    "suspension.interface.laws": (
-        "Bending",
-        "SurfaceTension",
-        "capillary_tension",
-        "thesis_tension_2d",
-    ),
-    "suspension.multibody.measures": ("inclination", "measure", "taylor_deformation"),
-    "suspension.interface.membrane": ("InextensibleMembrane",),
-    "suspension.interface.mesh": ("RelaxMesh",),
-    "suspension.bodies.particle": ("RigidParticle",),
-    "suspension.bodies.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
-    "suspension.interface.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
     "suspension.time.simulation": ("Simulation",),
     "suspension.time.state": ("State",),
     "suspension.time.stepping": ("Adaptive", "Euler"),
-    "suspension.time.thesis_methods": ("thesis_methods",),
-    "suspension.interface.volume": ("CorrectVolume",),
     "units": ("Numbers", "Quantity", "Units", "numbers"),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}

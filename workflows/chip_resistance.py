@@ -49,14 +49,8 @@ def main(
     tube = 128 * u(viscosity) * u(tube_length) / (pi * u(bore) ** 4)
     rates = {"inlet": u(main_rate), "side_a": u(side_rate), "side_b": u(side_rate)}
     point = network.operate({"outlet": 0.0}, rates, dict.fromkeys(OPENINGS, tube))
-    rows = [
-        (name, u.show(rate, "flow_rate"), u.show(inside, "pressure"), u.show(outside, "pressure"))
-        for name, rate, inside, outside in zip(
-            OPENINGS, point.flow_rates, point.pressures, point.outside, strict=True
-        )
-    ]
     print(f"with tubes of {u.show(tube, 'resistance')} at each opening:")
-    print(cb.text_table(("opening", "flow rate", "at the chip", "beyond the tube"), rows))
+    report(u, point)
     pumps = zip(OPENINGS, point.outside, strict=True)
     folder.summary({f"pressure at {name} (Pa)": u.si(p, "pressure") for name, p in pumps})
 
@@ -67,6 +61,17 @@ def main(
         cb.draw_streamlines(grid, channel, folder / "streamlines.png", units=u)
         print(f"pictures are in {folder}")
     return network, point
+
+
+def report(u: cb.Units, point: cb.OperatingPoint) -> None:
+    """Flow rate and pressures at each opening."""
+    rows = [
+        (name, u.show(rate, "flow_rate"), u.show(inside, "pressure"), u.show(outside, "pressure"))
+        for name, rate, inside, outside in zip(
+            OPENINGS, point.flow_rates, point.pressures, point.outside, strict=True
+        )
+    ]
+    print(cb.text_table(("opening", "flow rate", "at the chip", "beyond the tube"), rows))
 
 
 def table(title: str, matrix: np.ndarray, names: tuple[str, ...], factor: float) -> None:

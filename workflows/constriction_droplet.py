@@ -31,7 +31,7 @@ WIDEST, THROAT = 2.0, 0.8  # mm
 
 @dataclass(frozen=True, eq=False)
 class Passage:
-    """What is told of a run at each of its times (N,): the centre's x and its speed, Taylor's D,
+    """Measures of a run at each of its times (N,): the centre's x and its speed, Taylor's D,
     the extra pressure drop and the narrowest gap, inf where it is wide."""
 
     run: cb.History
@@ -66,7 +66,7 @@ def main(
     shape = cb.spline_sphere(radius, (start, 0.0, 0.0), points)
     droplet = cb.Droplet(shape, cb.SurfaceTension(tension), viscosity_ratio)
     simulation = cb.Simulation(flow, droplet, stepper=cb.Adaptive(tolerance))
-    passage = told(cb.record(folder.run(simulation, end, every)), flow.empty)
+    passage = passage_of(cb.record(folder.run(simulation, end, every)), flow.empty)
 
     report(passage)
     folder.summary({
@@ -104,7 +104,7 @@ def pressure_drop(solution: cb.StokesSolution) -> float:
     return solution.mean_pressure("inlet") - solution.mean_pressure("outlet")
 
 
-def told(run: cb.History, empty: cb.StokesSolution) -> Passage:
+def passage_of(run: cb.History, empty: cb.StokesSolution) -> Passage:
     """Centre, speed, D, extra pressure drop and gap at each time of a run."""
     centres = run.track(1)[1]
     return Passage(
@@ -146,7 +146,7 @@ def report(passage: Passage) -> None:
 
 
 def draw(folder: cb.RunFolder, channel: cb.Boundary, passage: Passage) -> None:
-    """What is told, over time and over the way; the path, a film strip and a movie."""
+    """Plots of the measures over time and over x; the path, a film strip and a movie."""
     x, way, found = passage.x, "x of the centre (mm)", passage.deformation
     over_time = Plot("t (s)", "D", [Curve(passage.run.times, found)])
     draw_plots(folder / "deformation.png", [over_time, Plot(way, "D", [Curve(x, found)])])

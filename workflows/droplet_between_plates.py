@@ -67,33 +67,39 @@ def main(
     # Fig. 4.8: overshoot and slow retraction
     if "time" in parts:
         run = simulate(folder.run, droplet(), confinement, tolerance, end, PLATE)
-        folder.summary({"largest D": run.deformation.max(), "last D": run.deformation[-1]})
         made["time", confinement] = run
-        report_time(run)
-        if folder:
-            draw_time(folder, run)
-            draw_motion(folder, run)
+        report_time(folder, run)
 
-    # Fig. 4.7: each droplet starts from the steady shape of the one before
+    # Fig. 4.7
     if "confinement" in parts:
-        now, runs = droplet(), {}
-        for share in sorted(map(float, confinements.split())):
-            keep = partial(folder.run, part=f"confinement_{share:g}")
-            runs[share] = simulate(keep, now, share, tolerance, settle, PLATE)
-            now = runs[share].last.droplet
-        report_confinement(runs)
+        shares = sorted(map(float, confinements.split()))
+        runs = confinement_runs(folder, droplet(), shares, tolerance, settle)
+        report_confinement(folder, runs)
         made |= {("confinement", share): run for share, run in runs.items()}
-        if folder:
-            draw_confinement(folder, runs)
 
-    # What the numbers above depend on
-    if "resolution" in parts:
+    if "resolution" in parts:  # what the numbers above depend on
         runs = resolution_runs(droplet, confinement, tolerance, min(end, 4.0))
         report_resolution(runs)
         made |= {("resolution", *key): run for key, run in runs.items()}
     if folder:
         print(f"\nthe pictures are in {folder}")
     return made
+
+
+def confinement_runs(
+    folder: cb.RunFolder,
+    droplet: cb.Droplet,
+    shares: list[float],
+    tolerance: float,
+    settle: float,
+) -> dict[float, cb.History]:
+    """Each droplet starts from the steady shape of the one before."""
+    runs = {}
+    for share in shares:
+        keep = partial(folder.run, part=f"confinement_{share:g}")
+        runs[share] = simulate(keep, droplet, share, tolerance, settle, PLATE)
+        droplet = runs[share].last.droplet
+    return runs
 
 
 def resolution_runs(
@@ -133,7 +139,8 @@ def kept(run: cb.History, times: np.ndarray) -> np.ndarray:
     return np.array([cb.taylor_deformation(run.at(t).droplet.shape) for t in times])
 
 
-def report_time(run: cb.History) -> None:
+def report_time(folder: cb.RunFolder, run: cb.History) -> None:
+    folder.summary({"largest D": run.deformation.max(), "last D": run.deformation[-1]})
     capillary, ratio, share = case_of(run)
     top = int(run.deformation.argmax())
     state = run.last
@@ -163,6 +170,9 @@ def report_time(run: cb.History) -> None:
     print(f"inclination at τ = {state.time:g}: {angle:.2f} degrees")
     if state.stopped:
         print(f"stopped: {state.stopped}")
+    if folder:
+        draw_time(folder, run)
+        draw_motion(folder, run)
 
 
 def draw_time(folder: cb.RunFolder, run: cb.History) -> None:
@@ -196,7 +206,7 @@ def draw_motion(folder: cb.RunFolder, run: cb.History) -> None:
     cb.filmstrip(folder / "strip.png", plates, frames)
 
 
-def report_confinement(runs: dict[float, cb.History]) -> None:
+def report_confinement(folder: cb.RunFolder, runs: dict[float, cb.History]) -> None:
     rows = []
     for share, run in runs.items():
         capillary, ratio, _ = case = case_of(run)
@@ -213,6 +223,8 @@ def report_confinement(runs: dict[float, cb.History]) -> None:
     print(cb.text_table(head, rows))
     if np.allclose((capillary, ratio), TRUE_CASE[:2]):
         print(f"without plates: true {FREE:.5f}, Taylor {shapira_haber(capillary, ratio, 0):.5f}")
+    if folder:
+        draw_confinement(folder, runs)
 
 
 def draw_confinement(folder: cb.RunFolder, runs: dict[float, cb.History]) -> None:

@@ -15,7 +15,9 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.interface.laws import thesis_tension_2d
 from cadbem.suspension.multibody.contact import narrowest
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.plates import between_plane_plates as between_plates
 from cadbem.verification.theory import far_plates
 
@@ -44,7 +46,7 @@ def simulate(
 ) -> cb.History:
     """A droplet that is round at first."""
     shape = cb.spline_circle(points=points, degree=degree, centre=centre)
-    droplet = cb.Droplet(shape, cb.thesis_tension_2d(capillary), ratio)
+    droplet = cb.Droplet(shape, thesis_tension_2d(capillary), ratio)
     choice = {"stepper": cb.Adaptive(1e-4)} | options
     return cb.record(cb.Simulation(flow, droplet, **choice).run(end, every=end / FRAMES))
 
@@ -59,15 +61,12 @@ def main(
     parts: str = "widths resolution drift",
 ) -> Runs:
     folder = cb.run_folder(output)
-    case = (capillary, viscosity_ratio)
-    wanted = sorted(map(float, widths.split()))
+    case, wanted = (capillary, viscosity_ratio), sorted(map(float, widths.split()))
     made: Runs = {}
     print(f"Ca = {capillary} in the thesis's reading, {capillary / 2} true; λ = {viscosity_ratio}")
 
     if "widths" in parts:
-        free = cb.FreeFlow(cb.shear(dimension=2))
-        flows = {w: between_plates(w) for w in wanted} | {np.inf: free}
-        runs = {w: simulate(flow, *case, points, end) for w, flow in flows.items()}
+        runs = width_runs(wanted, case, points, end)
         report_widths(runs, viscosity_ratio)
         made |= {("width", w): run for w, run in runs.items()}
         if folder:
@@ -79,24 +78,44 @@ def main(
         made |= {("resolution", *key): run for key, run in runs.items()}
 
     if "thesis" in parts:
-        options = {"degree": 2, **cb.thesis_methods()}
-        runs = {w: simulate(between_plates(w, parts=7), *case, 20, end, **options) for w in wanted}
+        runs = thesis_runs(wanted, case, end)
         report_thesis(runs)
         made |= {("thesis", w): run for w, run in runs.items()}
 
     if "drift" in parts:
-        flow = between_plates(2.0)
-        starts = (0.25, 0.5, 0.75)
-        runs = {y: simulate(flow, *case, points, 2 * end, (-4.0, y)) for y in starts}
+        runs = drift_runs(case, points, 2 * end)
         report_drift(runs)
         made |= {("drift", y): run for y, run in runs.items()}
         if folder:
             draw_drift(folder, runs)
-    last = {" ".join(map(str, key)): run.deformation[-1] for key, run in made.items()}
-    folder.summary({f"D, {name}": value for name, value in last.items()})
+    folder.summary({f"D, {' '.join(map(str, k))}": run.deformation[-1] for k, run in made.items()})
     if folder:
         print(f"\nthe pictures are in {folder}")
     return made
+
+
+def width_runs(
+    widths: list[float], case: tuple[float, float], points: int, end: float
+) -> dict[float, cb.History]:
+    """One droplet for each width, and one in unbounded fluid."""
+    free = cb.FreeFlow(cb.shear(dimension=2))
+    flows = {w: between_plates(w) for w in widths} | {np.inf: free}
+    return {w: simulate(flow, *case, points, end) for w, flow in flows.items()}
+
+
+def thesis_runs(
+    widths: list[float], case: tuple[float, float], end: float
+) -> dict[float, cb.History]:
+    """The same by the methods of the thesis."""
+    options = {"degree": 2, **thesis_methods()}
+    return {w: simulate(between_plates(w, parts=7), *case, 20, end, **options) for w in widths}
+
+
+def drift_runs(case: tuple[float, float], points: int, end: float) -> dict[float, cb.History]:
+    """Droplets off the middle, which drift towards it."""
+    flow = between_plates(2.0)
+    starts = (0.25, 0.5, 0.75)
+    return {y: simulate(flow, *case, points, end, (-4.0, y)) for y in starts}
 
 
 def report_widths(runs: dict[float, cb.History], ratio: float) -> None:

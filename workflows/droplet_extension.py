@@ -15,6 +15,7 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.quadrature.closed import SingularitySubtraction
 from cadbem.suspension.interface.volume import centre
 from cadbem.verification.theory import extension
 
@@ -24,9 +25,9 @@ TRUE = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read
 THESIS = {"degree": 2, "motion": cb.normal_velocity}
 VARIANTS = {
     "ours, polar rule": {},
-    "ours, subtraction": {"rule": cb.SingularitySubtraction()},
+    "ours, subtraction": {"rule": SingularitySubtraction()},
     "thesis's way, polar rule": THESIS,
-    "thesis's way, subtraction": THESIS | {"rule": cb.SingularitySubtraction()},
+    "thesis's way, subtraction": THESIS | {"rule": SingularitySubtraction()},
 }
 Branches = dict[str, list[tuple[float, cb.State]]]
 FAR = 1e-3  # distance from the stagnation point at which a droplet is put back

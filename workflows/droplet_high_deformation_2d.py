@@ -10,12 +10,15 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.quadrature.closed import PolarRule
+from cadbem.suspension.interface.laws import thesis_tension_2d
 from cadbem.suspension.interface.mesh import turning
+from cadbem.suspension.time.thesis_methods import thesis_methods
 
 
 def simulate(points: int, end: float, degree: int, capillary: float, **options) -> cb.History:
     droplet = cb.Droplet(
-        cb.spline_circle(points=points, degree=degree), cb.thesis_tension_2d(capillary)
+        cb.spline_circle(points=points, degree=degree), thesis_tension_2d(capillary)
     )
     simulation = cb.Simulation(cb.FreeFlow(cb.shear(dimension=2)), droplet, **options)
     return cb.record(simulation.run(end, every=end / 50))
@@ -35,7 +38,7 @@ def main(
 ) -> dict[str, cb.History]:
     folder = cb.run_folder(output)
     # The thesis's three runs, ours, and the truth: ours with many points of degree 6
-    thesis = {"degree": 2, "capillary": capillary, **cb.thesis_methods()}
+    thesis = {"degree": 2, "capillary": capillary, **thesis_methods()}
     relaxation = cb.RelaxMesh(0.2, 0.2, steps=10, pseudo_step=0.01)
     runs = {
         f"thesis's way, N = {points}": simulate(points, end, **thesis),
@@ -45,7 +48,7 @@ def main(
         f"thesis's way, N = {fine}": simulate(fine, end, **thesis),
         f"ours, N = {points}": simulate(points, end, 4, capillary, stepper=cb.Adaptive(1e-5)),
         f"truth: ours, N = {fine}, degree 6": simulate(
-            fine, end, 6, capillary, stepper=cb.Adaptive(1e-6), rule=cb.PolarRule(1e-8)
+            fine, end, 6, capillary, stepper=cb.Adaptive(1e-6), rule=PolarRule(1e-8)
         ),
     }
     *_, true = runs.values()

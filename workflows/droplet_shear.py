@@ -15,6 +15,7 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.theory import cox
 
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
@@ -58,14 +59,13 @@ def main(
     folder = cb.run_folder(output, resume=resume)
     case = (capillary, viscosity_ratio)
     ours = {"degree": degree, "stepper": cb.Adaptive(tolerance), "end": end}
-    thesis = {"degree": 2, "end": end, **cb.thesis_methods()}
+    thesis = {"degree": 2, "end": end, **thesis_methods()}
     made: Runs = {}
 
     # Fig. 4.3: one droplet, ours and the thesis's way without and with mesh relaxation
     if "shape" in parts:
         runs = shape_runs(folder, case, points, ours, thesis)
-        state = runs["ours",].last
-        found = state.measures[0]
+        found = runs["ours",].last.measures[0]
         folder.summary({"D": found.deformation, "inclination (degrees)": found.inclination})
         report_shape(case, runs)
         if folder:
@@ -75,13 +75,10 @@ def main(
     # Fig. 4.1 and 4.2: what happens to the volume at Ca = 0.2
     if "volume" in parts:
         runs = volume_runs(points, ours, thesis)
-        report_volume(runs)
-        if folder:
-            draw_plots(folder / "volume.png", [small_plot(runs), volume_plot(runs)])
+        report_volume(folder, runs)
         made |= {("volume", *key): run for key, run in runs.items()}
 
-    # Table 4.1
-    if "table" in parts:
+    if "table" in parts:  # Table 4.1
         runs = {case: simulate(cb.Simulation.run, *case, points, **ours) for case in PRINTED}
         report_table(runs, fine_runs(reference, end) if reference else {})
         made |= {("table", *key): run for key, run in runs.items()}
@@ -160,7 +157,7 @@ def volume_runs(points: int, ours: dict, thesis: dict) -> Runs:
     return runs
 
 
-def report_volume(runs: Runs) -> None:
+def report_volume(folder: cb.RunFolder, runs: Runs) -> None:
     rows = []
     for (ratio, name, corrected), run in runs.items():
         change = 100 * (run.volume[-1] / run.volume[0] - 1)
@@ -178,6 +175,8 @@ def report_volume(runs: Runs) -> None:
     if times.size:
         error = abs(np.interp(times, best.times, best.deformation) - true).max()
         print(f"λ = 1, ours: true D({times[-1]:g}) {true[-1]:.5f}, largest error {error:.1e}")
+    if folder:
+        draw_plots(folder / "volume.png", [small_plot(runs), volume_plot(runs)])
 
 
 def true_series(run: cb.History) -> tuple[np.ndarray, np.ndarray]:

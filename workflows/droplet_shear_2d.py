@@ -13,17 +13,20 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.quadrature.closed import PolarRule
+from cadbem.suspension.interface.laws import thesis_tension_2d
+from cadbem.suspension.time.thesis_methods import thesis_methods
 
 CAPILLARY = 0.2
 SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
     "drop_2d_shear"
 ]["Cat0.1_l1"]
 READINGS = {
-    "thesis's": (cb.thesis_tension_2d(CAPILLARY), {0.2: 0.09987, 1.0: 0.09927, 2.0: 0.09731}),
+    "thesis's": (thesis_tension_2d(CAPILLARY), {0.2: 0.09987, 1.0: 0.09927, 2.0: 0.09731}),
     "physical": (cb.capillary_tension(CAPILLARY), {0.2: 0.19907, 1.0: 0.19458, 2.0: 0.18218}),
 }
-OURS = {"degree": 4, "stepper": cb.Adaptive(1e-5), "rule": cb.PolarRule(1e-7)}
-THESIS = {"degree": 2, **cb.thesis_methods()}
+OURS = {"degree": 4, "stepper": cb.Adaptive(1e-5), "rule": PolarRule(1e-7)}
+THESIS = {"degree": 2, **thesis_methods()}
 VARIANTS = {
     "ours": OURS,
     "ours, not corrected": OURS | {"volume": None},

@@ -37,18 +37,11 @@ def main(
 ) -> list[cb.Fate]:
     folder = cb.run_folder(output, GEOMETRY)
 
-    # Flow: so much in through the stem, a share of it out to the right
     junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
     channel = junction.elevated(2).refined(size=element_size)
     u = cb.Units.of(channel)
     rate = u(flow_rate)
-    conditions = {
-        "stem": cb.Inflow(flow_rate=rate),
-        "right": cb.Inflow(flow_rate=-share * rate),
-        "left": cb.Pressure(0.0),
-        "walls": cb.NoSlip(),
-    }
-    flow = cb.ChannelFlow(cb.StokesProblem(channel, u(viscosity), conditions, cb.Quadrature(1e-4)))
+    flow = divided(channel, u(viscosity), rate, share)
     mean = rate / 1.0  # mm/s: the channels are 1 mm wide and high
     what = cb.numbers(viscosity=u(viscosity), velocity=mean, length=1.0, tension=u(tension))
     print(f"{flow.problem.space.count} points, mean velocity {u.show(mean, 'velocity')}, "
@@ -56,13 +49,10 @@ def main(
 
     # Droplets: every size from every start, at y = -1.2 mm
     places = [(x, -1.2, 0.0) for x in lengths(u, starts)]
-    law = cb.SurfaceTension(u(tension))
-    droplets = [
-        cb.Droplet(cb.spline_sphere(radius, place, points), law)
-        for radius in lengths(u, radii)
-        for place in places
-    ]
-    contact = cb.Repel(u("20 um"), 20 * u(tension) / min(lengths(u, radii)))
+    law, sizes = cb.SurfaceTension(u(tension)), lengths(u, radii)
+    shapes = [cb.spline_sphere(radius, place, points) for radius in sizes for place in places]
+    droplets = [cb.Droplet(shape, law) for shape in shapes]
+    contact = cb.Repel(u("20 um"), 20 * u(tension) / min(sizes))
     simulation = cb.Simulation(flow, droplets[0], stepper=cb.Adaptive(tolerance), contact=contact)
     fates = cb.droplet_fates(simulation, droplets, u(end), every)
     tracers = cb.trace(flow.empty, np.array(places).T)
@@ -70,10 +60,21 @@ def main(
     right = sum(fate.opening == "right" for fate in fates)
     folder.summary({"left through the right arm": right, "of droplets": len(fates)})
     if folder:
-        tracks = {f"{label(u, f)}, x = {f.path[0, 0]:+.2f}": f.path for f in fates}
-        cb.draw_trajectories(folder / "paths.png", channel, tracks)
-        print(f"a picture is in {folder}")
+        draw(folder, u, channel, fates)
     return fates
+
+
+def divided(
+    channel: cb.Boundary, viscosity: float, rate: float, share: float
+) -> cb.ChannelFlow:
+    """The flow in through the stem, a share of it out to the right."""
+    conditions = {
+        "stem": cb.Inflow(flow_rate=rate),
+        "right": cb.Inflow(flow_rate=-share * rate),
+        "left": cb.Pressure(0.0),
+        "walls": cb.NoSlip(),
+    }
+    return cb.ChannelFlow(cb.StokesProblem(channel, viscosity, conditions, cb.Quadrature(1e-4)))
 
 
 def lengths(u: cb.Units, text: str) -> list[float]:
@@ -85,6 +86,13 @@ def lengths(u: cb.Units, text: str) -> list[float]:
 def label(u: cb.Units, fate: cb.Fate) -> str:
     """The droplet's radius, from its volume."""
     return u.show((3 * fate.droplet.volume / (4 * np.pi)) ** (1 / 3), "length")
+
+
+def draw(folder: cb.RunFolder, u: cb.Units, channel: cb.Boundary, fates: list[cb.Fate]) -> None:
+    """The paths of all droplets."""
+    tracks = {f"{label(u, f)}, x = {f.path[0, 0]:+.2f}": f.path for f in fates}
+    cb.draw_trajectories(folder / "paths.png", channel, tracks)
+    print(f"a picture is in {folder}")
 
 
 def report(u: cb.Units, fates: list[cb.Fate], tracers: cb.Tracers) -> None:

@@ -51,14 +51,9 @@ def main(
     print(f"throat: mean velocity {speed:g} mm/s, Ca = {viscosity * speed / tension:g}")
 
     # Round droplets on the centreline, the first at x = front, the others behind it
-    train = [
-        cb.Droplet(
-            cb.spline_sphere(radius, (front - k * distance, 0.0, 0.0), points),
-            cb.SurfaceTension(tension),
-            viscosity_ratio,
-        )
-        for k in range(droplets)
-    ]
+    places = [(front - k * distance, 0.0, 0.0) for k in range(droplets)]
+    shapes = [cb.spline_sphere(radius, place, points) for place in places]
+    train = [cb.Droplet(s, cb.SurfaceTension(tension), viscosity_ratio) for s in shapes]
     simulation = cb.Simulation(flow, train, stepper=cb.Adaptive(tolerance))
     run = cb.record(folder.run(simulation, end, every))
 

@@ -10,6 +10,9 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.quadrature.closed import PolarRule
+from cadbem.suspension.interface.laws import thesis_tension_2d
+from cadbem.suspension.time.thesis_methods import thesis_methods
 
 RADIUS = np.sqrt(4.7126 / np.pi)
 ASPECT = 1.5
@@ -33,7 +36,7 @@ def main(
     end: float = 4.0,
 ) -> cb.History:
     folder = cb.run_folder(output)
-    tension = cb.thesis_tension_2d(capillary)
+    tension = thesis_tension_2d(capillary)
     rate = tension.tension / ((1 + viscosity_ratio) * RADIUS)
     axes = (RADIUS * np.sqrt(ASPECT), RADIUS / np.sqrt(ASPECT))
 
@@ -45,8 +48,8 @@ def main(
         simulation = cb.Simulation(cb.FreeFlow(cb.at_rest(dimension=2)), droplet, **options)
         return cb.record(simulation.run(end, every=0.05))
 
-    history = relax(degree, stepper=cb.Adaptive(tolerance), rule=cb.PolarRule(1e-7))
-    thesis = relax(2, **cb.thesis_methods())
+    history = relax(degree, stepper=cb.Adaptive(tolerance), rule=PolarRule(1e-7))
+    thesis = relax(2, **thesis_methods())
 
     runs = {"ours": history, "thesis's way": thesis}
     print(f"N = {points}, exact final radius {RADIUS:.7f}")

@@ -13,6 +13,7 @@ import cadbem as cb
 from cadbem.post.style.plots import Curve, Plot, draw_plots
 
 GEOMETRY = Path(__file__).parents[1] / "geometries" / "t_junction.step"
+OPENINGS = ("stem", "left", "right")
 
 
 def main(
@@ -28,8 +29,7 @@ def main(
     junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
     channel = junction.elevated(2).refined(size=element_size)
     u = cb.Units.of(channel)
-    openings = ("stem", "left", "right")
-    network = cb.hydraulic_network(channel, u(viscosity), openings, cb.Quadrature(1e-5))
+    network = cb.hydraulic_network(channel, u(viscosity), OPENINGS, cb.Quadrature(1e-5))
 
     # Both arms end at pressure 0, one of them behind a tube
     lengths = [u(longest) * k / (steps - 1) for k in range(steps)]
@@ -37,14 +37,7 @@ def main(
     ends = {"left": 0.0, "right": 0.0}
     points = [network.operate(ends, {"stem": u(flow_rate)}, {"right": t}) for t in tubes]
 
-    rows = []
-    for length, point in zip(lengths, points, strict=True):
-        shares = [f"{point.fractions[name]:.4f}" for name in openings[1:]]
-        rates = [u.show(-q, "flow_rate") for q in point.flow_rates[1:]]
-        drop = u.show(point.pressures[0], "pressure")
-        rows.append([u.show(length, "length"), *shares, *rates, drop])
-    head = ("tube on the right", "share left", "share right", "left", "right", "at the stem")
-    print(cb.text_table(head, rows))
+    report(u, lengths, points)
     folder.summary({
         "share left": points[-1].fractions["left"],
         "pressure at the stem (Pa)": u.si(points[-1].pressures[0], "pressure"),
@@ -53,12 +46,24 @@ def main(
         over = [u.si(length, "length") * 100 for length in lengths]
         curves = [
             Curve(over, [p.fractions[name] for p in points], name, marks=True)
-            for name in openings[1:]
+            for name in OPENINGS[1:]
         ]
         label = "length of the tube behind the right arm (cm)"
         draw_plots(folder / "split.png", [Plot(label, "share of the flow", curves)])
         print(f"a plot is in {folder}")
     return points
+
+
+def report(u: cb.Units, lengths: list[float], points: list[cb.OperatingPoint]) -> None:
+    """Shares, flow rates and the pressure at the stem for each length of the tube."""
+    rows = []
+    for length, point in zip(lengths, points, strict=True):
+        shares = [f"{point.fractions[name]:.4f}" for name in OPENINGS[1:]]
+        rates = [u.show(-q, "flow_rate") for q in point.flow_rates[1:]]
+        drop = u.show(point.pressures[0], "pressure")
+        rows.append([u.show(length, "length"), *shares, *rates, drop])
+    head = ("tube on the right", "share left", "share right", "left", "right", "at the stem")
+    print(cb.text_table(head, rows))
 
 
 if __name__ == "__main__":

@@ -13,10 +13,11 @@ from math import pi
 import numpy as np
 
 import cadbem as cb
+from cadbem.spline.shapes import sphere_with_poles
 from cadbem.verification.walls import near_wall
 
 MOTION = cb.RigidMotion(velocity=(1.0, 0.0, 0.0), angular_velocity=(0.0, 1.0, 0.0))
-SPHERES = ((cb.sphere, 4), (cb.sphere_octants, 2), (cb.sphere_with_poles, 2))
+SPHERES = ((cb.sphere, 4), (cb.sphere_octants, 2), (sphere_with_poles, 2))
 DRAG_211 = (22.6937530132454298, 25.9916348835661665, 25.9916348835661665)  # axes 2, 1, 1
 PAIRS = {3.0: 0.804721760669963725, 2.0: 0.742258285069086028, 1.5: 0.698304560250037017}
 WALL = {  # height of the centre: drag along the wall, torque, drag away from it
@@ -33,6 +34,21 @@ PARABOLOID = cb.Background(
 
 def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolution:
     folder = cb.run_folder(output)
+    report_exact()
+    report_convergence(range(2, spans + 1))
+    report_pairs(max(1, spans // 2))
+    report_wall(spans)
+    solution = solve(cb.sphere(), 4, 1, cb.RigidMotion((1.0, 0.0, 0.0)))
+    drag = solution.force("body")[0] / (-6 * pi)
+    folder.summary({"points": solution.space.count, "drag / 6πμaU": drag})
+    if folder:
+        picture = cb.draw_around(solution, folder / "speed.png")
+        print(f"\nthe speed around the sphere is in {picture}")
+    return solution
+
+
+def report_exact() -> None:
+    """Drag and torque of a moving and turning sphere."""
     # The traction of a moving sphere is constant, that of a turning one linear in position: both
     # lie in the span of the sphere's own functions, and the error is that of the integrals
     heading("moving and turning sphere", "shape", "degree", "points", "drag", "torque")
@@ -43,7 +59,10 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
             torque = solution.torque("body", (0, 0, 0))[1] / (-8 * pi) - 1
             row(shape.__name__, degree, solution.space.count, drag, torque)
 
-    # Convergence, in the number of spans n along each side of a patch
+
+def report_convergence(counts: range) -> None:
+    """Convergence in the number of spans n along each side of a patch."""
+
     def faxen(shape: Callable, degree: int, n: int) -> tuple[int, float]:
         held = solve(shape(), degree, n, cb.NoSlip(), background=PARABOLOID)
         return held.space.count, float(held.force("body")[0] / (2 * pi) - 1)
@@ -52,20 +71,23 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
         pulled = solve(cb.ellipsoid((2, 1, 1)), degree, n, cb.RigidMotion((1.0, 1.0, 1.0)))
         return pulled.space.count, float(abs(pulled.force("body") / DRAG_211 + 1).max())
 
-    counts = range(2, spans + 1)
     for shape, degree in ((cb.sphere_octants, 2), (cb.sphere_octants, 3), (cb.sphere, 4)):
         title = f"{shape.__name__}, degree {degree}, held in a paraboloidal flow"
         convergence(title, counts, [faxen(shape, degree, n) for n in counts])
     convergence("ellipsoid 2 : 1 : 1, degree 4, pulled", counts, [perrin(4, n) for n in counts])
 
-    # Several bodies; a wall as a thin plate, whose traction is that of both its sides together
-    half = max(1, spans // 2)
+
+def report_pairs(spans: int) -> None:
+    """Two spheres along their line of centres."""
     heading("two spheres along their line of centres", "distance / 2a", "points", "drag")
     for ratio, exact in PAIRS.items():
         low, high = (cb.sphere(centre=(0, 0, side * ratio)) for side in (-1, 1))
-        pair = solve(low + high, 4, half, cb.RigidMotion((0.0, 0.0, 1.0)))
+        pair = solve(low + high, 4, spans, cb.RigidMotion((0.0, 0.0, 1.0)))
         row(ratio, pair.space.count, pair.force("body")[2] / (-12 * pi * exact) - 1)
 
+
+def report_wall(spans: int) -> None:
+    """A sphere near a thin plate, whose traction is that of both its sides together."""
     # Moving along x and z and turning about x: by symmetry the drag along x, the drag along z and
     # the torque about x are those of each motion alone
     titles = "height / a", "points", "drag along", "torque", "drag away"
@@ -79,14 +101,6 @@ def main(output: str = "results/moving_sphere", spans: int = 6) -> cb.StokesSolu
         force, torque = near.force("body"), near.torque("body", (0, 0, height))
         reached = np.array([force[0] / 6, torque[0] / 8, force[2] / 6]) / -pi
         row(height, near.space.count, *(float(e) for e in reached / exact - 1))
-
-    solution = solve(cb.sphere(), 4, 1, cb.RigidMotion((1.0, 0.0, 0.0)))
-    drag = solution.force("body")[0] / (-6 * pi)
-    folder.summary({"points": solution.space.count, "drag / 6πμaU": drag})
-    if folder:
-        picture = cb.draw_around(solution, folder / "speed.png")
-        print(f"\nthe speed around the sphere is in {picture}")
-    return solution
 
 
 def bodies(shape: tuple[cb.Nurbs, ...], degree: int, spans: int) -> cb.Boundary:

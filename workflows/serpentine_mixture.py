@@ -50,12 +50,7 @@ def main(
     print(f"Ca = {viscosity * mean_velocity / tension:g}")
 
     # Bodies, numbered from the front of the row
-    half = ellipsoid_length / 2
-    axes = (half, half / ASPECT, half / ASPECT)
-    bodies: dict[int, cb.Droplet | cb.RigidParticle] = {
-        SPHERE: cb.rigid_sphere(sphere_radius, SPHERE_START, spans=particle_spans),
-        ELLIPSOID: cb.rigid_ellipsoid(axes, ELLIPSOID_START, spans=particle_spans),
-    }
+    bodies = particles(sphere_radius, ellipsoid_length, particle_spans)
     for number, place in DROPLETS.items():
         shape = cb.spline_sphere(droplet_radius, place, points)
         bodies[number] = cb.Droplet(shape, cb.SurfaceTension(tension), viscosity_ratio)
@@ -72,6 +67,18 @@ def main(
         draw(folder, flow.problem.boundary, run)
         print(f"the pictures are in {folder}")
     return run
+
+
+def particles(
+    sphere_radius: float, ellipsoid_length: float, spans: int
+) -> dict[int, cb.Droplet | cb.RigidParticle]:
+    """The rigid bodies by number."""
+    half = ellipsoid_length / 2
+    axes = (half, half / ASPECT, half / ASPECT)
+    return {
+        SPHERE: cb.rigid_sphere(sphere_radius, SPHERE_START, spans=spans),
+        ELLIPSOID: cb.rigid_ellipsoid(axes, ELLIPSOID_START, spans=spans),
+    }
 
 
 def empty_channel(element_size: float, viscosity: float, mean_velocity: float) -> cb.ChannelFlow:

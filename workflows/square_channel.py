@@ -48,34 +48,41 @@ def main(
     )
     solution = problem.solve()
 
-    # Checks against the exact flow
+    print(f"{solution.space.count} collocation points, degree {degree}")
+    folder.summary(compared(solution))
+    if folder:
+        draw(folder, solution, mesh_size)
+        print(f"pictures and ParaView files are in {folder}")
+    return solution
+
+
+def compared(solution: cb.StokesSolution) -> dict[str, float]:
+    """Checks against the exact flow, printed and by name."""
     drop = solution.mean_pressure("inlet") - solution.mean_pressure("outlet")
     gradient = -drop / LENGTH
-    print(f"{solution.space.count} collocation points, degree {degree}")
     print(f"net flux / inflow  {solution.net_flux():10.2e}")
     print(f"net force / forces {solution.net_force():10.2e}")
     print(f"pressure gradient  {gradient:10.5f}  ({gradient / EXACT_GRADIENT - 1:+.1e})")
     print(f"outlet velocity    {outlet_error(solution):10.2e}  (largest error over mean velocity)")
-
-    folder.summary({
+    return {
         "points": solution.space.count,
         "pressure gradient": gradient,
         "error of the gradient": gradient / EXACT_GRADIENT - 1,
         "error of the outlet velocity": outlet_error(solution),
-    })
+    }
 
-    # Pictures, and files for ParaView
-    if folder:
-        cb.draw_boundary(channel, folder / "faces.png")
-        cb.draw_collocation(solution.space, folder / "collocation.png")
-        cb.draw_traction(solution, folder / "traction.png")
-        points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
-        grid = cb.volume_grid(points, tetrahedra, solution)
-        cb.draw_slices(grid, channel, folder / "slices.png")
-        cb.draw_streamlines(grid, channel, folder / "streamlines.png")
-        cb.write_vtu(folder / "volume.vtu", grid)
-        print(f"pictures and ParaView files are in {folder}")
-    return solution
+
+def draw(folder: cb.RunFolder, solution: cb.StokesSolution, mesh_size: float) -> None:
+    """Pictures, and files for ParaView."""
+    channel = solution.space.boundary
+    cb.draw_boundary(channel, folder / "faces.png")
+    cb.draw_collocation(solution.space, folder / "collocation.png")
+    cb.draw_traction(solution, folder / "traction.png")
+    points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
+    grid = cb.volume_grid(points, tetrahedra, solution)
+    cb.draw_slices(grid, channel, folder / "slices.png")
+    cb.draw_streamlines(grid, channel, folder / "streamlines.png")
+    cb.write_vtu(folder / "volume.vtu", grid)
 
 
 def outlet_error(solution: cb.StokesSolution) -> float:

@@ -43,7 +43,21 @@ def main(
     solution = cb.StokesProblem(channel, u(viscosity), conditions, rules).solve()
 
     # Tracers that stand for the flow of either inlet
-    found = {n: cb.trace(solution, cb.inlet_starts(solution, n, count=tracers)) for n in rates}
+    found = {n: cb.trace(solution, cb.inlet_points(solution, n, count=tracers)) for n in rates}
+    report(u, found)
+    whole = sum(g.mean_time * g.flow_rates.sum() for g in found.values()) / sum(rates.values())
+    exact = channel.volume() / sum(rates.values())
+    print(f"mean of all {u.show(whole, 'time')}, volume / flow rate {u.show(exact, 'time')}")
+    folder.summary({"mean residence time (s)": whole, "volume / flow rate (s)": exact})
+
+    if folder:
+        draw(folder, u, solution, found, paths, exact)
+        print(f"pictures are in {folder}")
+    return found
+
+
+def report(u: cb.Units, found: dict[str, cb.Tracers]) -> None:
+    """Residence times of the tracers of each stream."""
     rows = []
     for name, group in found.items():
         times, shares = group.distribution
@@ -53,26 +67,29 @@ def main(
                      u.show(group.mean_time, "time"), f"{inside:.2%}"])  # fmt: skip
     head = ("from", "tracers", "first", "median", "mean", "of the flow still inside")
     print(cb.text_table(head, rows))
-    whole = sum(g.mean_time * g.flow_rates.sum() for g in found.values()) / sum(rates.values())
-    exact = channel.volume() / sum(rates.values())
-    print(f"mean of all {u.show(whole, 'time')}, volume / flow rate {u.show(exact, 'time')}")
-    folder.summary({"mean residence time (s)": whole, "volume / flow rate (s)": exact})
 
-    if folder:
-        across = np.linspace(-0.45, 0.45, paths)
-        rows_of_starts = [np.stack([np.full(paths, -3.0), across, 0 * across]),
-                          np.stack([across, np.full(paths, -3.0), 0 * across])]  # fmt: skip
-        shown = cb.trace(solution, np.concatenate(rows_of_starts, axis=1))
-        look = {"values": shown.moments, "label": "time", "units": u}
-        cb.draw_paths(folder / "paths.png", channel, shown.paths, **look)
-        curves = []
-        for k, (name, group) in enumerate(found.items()):
-            early = group.distribution[0] < 5 * exact
-            curves.append(Curve(*(d[early] for d in group.distribution), name, colour=k))
-        label = "share of the stream that has left"
-        draw_plots(folder / "residence_times.png", [Plot("time (s)", label, curves)])
-        print(f"pictures are in {folder}")
-    return found
+
+def draw(
+    folder: cb.RunFolder,
+    u: cb.Units,
+    solution: cb.StokesSolution,
+    found: dict[str, cb.Tracers],
+    paths: int,
+    mean_time: float,
+) -> None:
+    """Some paths at mid-height, and the distribution of residence times."""
+    across = np.linspace(-0.45, 0.45, paths)
+    rows_of_starts = [np.stack([np.full(paths, -3.0), across, 0 * across]),
+                      np.stack([across, np.full(paths, -3.0), 0 * across])]  # fmt: skip
+    shown = cb.trace(solution, np.concatenate(rows_of_starts, axis=1))
+    look = {"values": shown.moments, "label": "time", "units": u}
+    cb.draw_paths(folder / "paths.png", solution.space.boundary, shown.paths, **look)
+    curves = []
+    for k, (name, group) in enumerate(found.items()):
+        early = group.distribution[0] < 5 * mean_time
+        curves.append(Curve(*(d[early] for d in group.distribution), name, colour=k))
+    label = "share of the stream that has left"
+    draw_plots(folder / "residence_times.png", [Plot("time (s)", label, curves)])
 
 
 if __name__ == "__main__":

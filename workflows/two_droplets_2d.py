@@ -17,6 +17,7 @@ from droplet_between_plates_2d import between_plates, draw_motion, flux_across
 import cadbem as cb
 from cadbem.operators.closed.nearest import signed_distance
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.suspension.interface.laws import thesis_tension_2d
 
 STARTS = {"pass": ((0.0, 0.0), (-2.5, 1.0)), "swap": ((-1.25, 0.25), (1.25, -0.25))}
 Centres = tuple[tuple[float, float], tuple[float, float]]
@@ -32,7 +33,7 @@ def simulate(
     tolerance: float,
     end: float,
 ) -> cb.History:
-    tension = cb.thesis_tension_2d(capillary)
+    tension = thesis_tension_2d(capillary)
     shapes = [cb.spline_circle(points=points, centre=centre) for centre in starts]
     droplets = [cb.Droplet(shape, tension, ratio) for shape in shapes]
     simulation = cb.Simulation(flow, droplets, stepper=cb.Adaptive(tolerance))

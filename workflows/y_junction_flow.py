@@ -44,20 +44,25 @@ def main(
     drop = solution.mean_pressure("inlet_a") - solution.mean_pressure("outlet")
     folder.summary({"points": solution.space.count, "pressure drop": drop})
 
-    # Pictures, and files for ParaView
     if folder:
-        cb.draw_boundary(channel, folder / "faces.png")
-        cb.draw_collocation(solution.space, folder / "collocation.png")
-        cb.draw_traction(solution, folder / "traction.png")
-        points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
-        grid = cb.volume_grid(points, tetrahedra, solution)
-        cb.draw_slices(grid, channel, folder / "slices.png")
-        cb.draw_streamlines(grid, channel, folder / "streamlines.png")
-        cb.write_vtu(folder / "volume.vtu", grid)
-        cb.write_vtu(folder / "walls.vtu", cb.bezier_grid(channel, {
-            "velocity": solution.velocity, "traction": solution.traction}))  # fmt: skip
+        draw(folder, solution, mesh_size)
         print(f"pictures and ParaView files are in {folder}")
     return solution
+
+
+def draw(folder: cb.RunFolder, solution: cb.StokesSolution, mesh_size: float) -> None:
+    """Pictures, and files for ParaView."""
+    channel = solution.space.boundary
+    cb.draw_boundary(channel, folder / "faces.png")
+    cb.draw_collocation(solution.space, folder / "collocation.png")
+    cb.draw_traction(solution, folder / "traction.png")
+    points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
+    grid = cb.volume_grid(points, tetrahedra, solution)
+    cb.draw_slices(grid, channel, folder / "slices.png")
+    cb.draw_streamlines(grid, channel, folder / "streamlines.png")
+    cb.write_vtu(folder / "volume.vtu", grid)
+    cb.write_vtu(folder / "walls.vtu", cb.bezier_grid(channel, {
+        "velocity": solution.velocity, "traction": solution.traction}))  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -74,7 +74,7 @@ def mixed_columns(kernel: Kernel, entries: Array, single: Array, double: Array) 
 
 
 def collocation_targets(space: Space) -> Targets:
-    """The collocation points of a space as targets that know where they lie."""
+    """The collocation points of a space as targets, with their patches and parameters."""
     owner = np.repeat(np.arange(len(space.parameters)), np.diff(space.offsets))
     return Targets(space.collocation.position, owner, np.concatenate(space.parameters, axis=1))
 

@@ -1,4 +1,4 @@
-"""Linear systems of layers in which each patch mixes its unknowns in its own way."""
+"""Linear systems of single and double layer, with one combination of both on each patch."""
 
 from __future__ import annotations
 

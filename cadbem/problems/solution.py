@@ -1,4 +1,4 @@
-"""What can be asked of a solved Stokes flow."""
+"""The solution of a Stokes flow, and the fields, forces and flow rates that follow from it."""
 
 from __future__ import annotations
 
@@ -25,8 +25,8 @@ from cadbem.spline.basis import Array
 
 @dataclass(frozen=True, eq=False)
 class StokesSolution:
-    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, on top of
-    a ``background`` flow; the ``iterations`` that it took, 0 if solved at once."""
+    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, added to
+    a ``background`` flow; the ``iterations`` of the solver, 0 for a direct one."""
 
     problem: StokesEquations
     velocity: Field
@@ -102,9 +102,7 @@ class StokesSolution:
     ) -> Array:
         single, double = self._densities(factor)
         quadrature = quadrature or self.problem.quadrature
-        return represent(
-            kernel, self.space, points, quadrature, single, double, on_patch, far_away
-        )
+        return represent(kernel, self.space, points, quadrature, single, double, on_patch, far_away)
 
     def _pressure_row(self, patch: int, *parameters: ArrayLike) -> Array:
         return self.surface_pressure(patch, *parameters)[None]

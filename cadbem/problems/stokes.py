@@ -34,8 +34,8 @@ class StokesProblem(StokesEquations):
     matrix, ``Dense()`` or ``Compressed(tolerance)``; by default what suits the number of points.
 
     Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
-    drive no flow, given velocities that let in more than out, a background within walls, unbounded
-    fluid in a plane (where a body that is pushed sets all of it in motion: Stokes' paradox), a
+    drive no flow, given velocities whose inflow and outflow differ, a background within walls,
+    unbounded fluid in a plane (which has no solution for a body under a force: Stokes' paradox), a
     viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
     made for another unit of length than the boundary's.
     """
@@ -47,7 +47,7 @@ class StokesProblem(StokesEquations):
         goal: Goal | None = None,
         most_points: int = MOST_POINTS,
     ) -> StokesSolution:
-        """Velocity and traction on the boundary, whence everything else follows.
+        """Velocity and traction on the boundary, from which all other fields follow.
 
         With an ``accuracy``, such as 1e-3, elements are chosen and refined by the program: it
         starts from the patches as they are and goes on until the estimated errors are below
@@ -109,10 +109,11 @@ class StokesProblem(StokesEquations):
         return other
 
     def reflection(self, induced: Array) -> StokesSolution:
-        """What the boundary adds to a flow that bodies make, with all given data zero.
+        """The flow that the boundary reflects of a flow that bodies induce, with all given data
+        zero.
 
-        ``induced`` (dim, T) is that flow at the collocation points, as it were without the
-        boundary.  The whole flow is the sum of ``solve()``, of this, and of what the bodies make;
+        ``induced`` (dim, T) is the induced velocity at the collocation points, as in unbounded
+        fluid.  The whole flow is the sum of ``solve()``, of this, and of the induced flow;
         its velocity on the boundary, which conserves mass, is that of both solutions.
         """
         zero = np.zeros((self.boundary.dimension, self.space.count))

@@ -84,8 +84,8 @@ class CompressedLayers:
         if border is None:
             fields = np.empty((0, self.kernel.rows, self.count))
             border = Border(np.empty((0, *scale.shape)), fields)
-        rough = two_level(matrix, self.space.collocation.position)
-        return Iteration(matrix, scale, border, rough, self.tolerance)
+        preconditioner = two_level(matrix, self.space.collocation.position)
+        return Iteration(matrix, scale, border, preconditioner, self.tolerance)
 
     def _spacings(self) -> list[float]:
         """Mean distance of collocation points on each patch."""
