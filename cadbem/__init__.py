@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
     from cadbem.design.wall_shear import wall_shear as wall_shear
+    from cadbem.errors import AccuracyWarning as AccuracyWarning
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
     from cadbem.errors import CadWarning as CadWarning
@@ -154,6 +155,7 @@ _NAMES = {
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
+        "AccuracyWarning",
         "CadError",
         "CadWarning",
         "CadbemError",

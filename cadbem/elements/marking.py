@@ -15,6 +15,7 @@ from cadbem.spline.basis import Array
 BOTH = 0.3  # share of the larger tail from which a direction is refined too
 SMOOTH = 0.25  # decay over two degrees from which a higher degree pays
 HIGHEST = 8  # degree
+MOST_STEPS = 2  # by which a degree is raised at once
 ONE_SIDED = 0.7  # share of the error near an end from which the cut is made there
 NEAR = 0.3  # share of an element that is near an end
 
@@ -43,16 +44,22 @@ def marked(shares: Array, bound: Array, portion: float) -> list[int]:
     return sorted(chosen)
 
 
-def refined(patch: Patch, evidence: Evidence) -> list[Patch]:
-    """The elements that take a patch's place."""
+def refined(patch: Patch, evidence: Evidence, reduction: float) -> list[Patch]:
+    """The elements that take a patch's place, whose error should fall by the factor ``reduction``.
+
+    Where the Legendre coefficients of fields fall fast, degrees are raised by as much as that
+    takes; elsewhere the element is cut.
+    """
     surface = patch.surface
     spectra = _spectra(evidence.values)
     tails = np.array([s[-2:].sum() for s in spectra])
     wanted = [d for d, tail in enumerate(tails) if tail >= BOTH * tails.max()]
     degrees, cuts = list(surface.degrees), [list(ends) for ends in surface.domain]
     for d in wanted:
-        if _decay(spectra[d]) < SMOOTH and degrees[d] < HIGHEST:
-            degrees[d] += 1
+        decay = _decay(spectra[d])
+        if decay < SMOOTH and degrees[d] < HIGHEST:
+            steps = round(2 * np.log(reduction) / -np.log(max(decay, 1e-3)))
+            degrees[d] = min(degrees[d] + int(np.clip(steps, 1, MOST_STEPS)), HIGHEST)
         else:
             low, high = surface.domain[d]
             cuts[d].insert(1, low + (high - low) * _cut(evidence.places[d], evidence.amounts))

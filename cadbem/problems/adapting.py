@@ -24,7 +24,7 @@ FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
 MOST_POINTS = 4000
 EXPONENT = 1.09  # errors of flow rates fall so with the size of elements at a right-angled edge
 SINGULAR = 3e-3  # error that such an edge makes with elements as large as the channel is wide
-PORTION = 0.6  # of an error, that of the elements that are refined
+PORTION = 0.7  # of an error, that of the elements that are refined
 GROWTH = 1.25  # of the points in a round, at least
 
 
@@ -77,11 +77,11 @@ def adapted(
 
 def _levels(accuracy: float) -> int:
     """Steps of grading towards re-entrant edges that an accuracy takes."""
-    return max(0, ceil(log(accuracy / (3 * SINGULAR)) / (EXPONENT * log(RATIO))))
+    return max(0, ceil(log(accuracy / (2 * SINGULAR)) / (EXPONENT * log(RATIO)) - 0.1))
 
 
 def _degree(accuracy: float) -> int:
-    return 3 if accuracy > 2e-3 else 4
+    return 3 if accuracy > 5e-4 else 4
 
 
 def _points(boundary: Boundary) -> int:
@@ -91,12 +91,15 @@ def _points(boundary: Boundary) -> int:
 def _finer(boundary: Boundary, analysis: Analysis, accuracy: float) -> Boundary:
     """The boundary with those elements refined that the errors above ``accuracy`` come from."""
     shares, portion = analysis.shares, PORTION
-    before = _points(boundary)
+    before, excess = _points(boundary), analysis.accuracy.relative / accuracy
     while True:
         chosen = set(marked(shares, np.full(len(shares), accuracy), portion))
         patches = []
         for i, patch in enumerate(boundary.patches):
-            patches += refined(patch, _evidence(analysis, i)) if i in chosen else [patch]
+            if i in chosen:
+                patches += refined(patch, _evidence(analysis, i), max(excess, 2.0))
+            else:
+                patches.append(patch)
         finer = Boundary(tuple(patches), boundary.source, boundary.unit)
         if _points(finer) >= GROWTH * before or portion > 0.95:
             return finer
