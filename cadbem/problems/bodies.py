@@ -6,12 +6,14 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary
 from cadbem.spline.basis import Array
+from cadbem.spline.project import closest_point
 
 SAME_CORNER = 1e-6  # share of the boundary's size within which corners count as one
 OPEN = 1e-3  # |∫ n dS| over area from which a surface counts as open
@@ -39,15 +41,43 @@ class Surface:
 
 
 def closed_surfaces(boundary: Boundary) -> list[Surface]:
-    """The connected surfaces of a boundary; patches with a common corner are connected."""
+    """The connected surfaces of a boundary.
+
+    Patches are connected by a common corner, or where a corner of one lies on an edge of another.
+    """
     ends = list(product((0, -1), repeat=boundary.dimension - 1))
     corners = np.array([p.surface.points[i] for p in boundary.patches for i in ends])
-    size = float(np.linalg.norm(np.ptp(boundary.bounds(), axis=0)))
-    pairs = cKDTree(corners).query_pairs(SAME_CORNER * size, output_type="ndarray") // len(ends)
-    count = len(boundary.patches)
+    near = SAME_CORNER * float(np.linalg.norm(np.ptp(boundary.bounds(), axis=0)))
+    pairs = cKDTree(corners).query_pairs(near, output_type="ndarray") // len(ends)
+    label = _components(len(boundary.patches), pairs)
+    if boundary.dimension == 3 and label.max() > 0:
+        hanging = _hanging(boundary, corners, label, near)
+        label = _components(len(label), np.concatenate([pairs, hanging]))
+    groups = range(label.max() + 1)
+    return [_surface(boundary, tuple(np.nonzero(label == k)[0].tolist())) for k in groups]
+
+
+def _components(count: int, pairs: NDArray[np.int64]) -> NDArray[np.int32]:
+    """The number of the component of each of ``count`` patches that pairs (n, 2) connect."""
     graph = coo_array((np.ones(len(pairs)), (pairs[:, 0], pairs[:, 1])), shape=(count, count))
-    number, label = connected_components(graph, directed=False)
-    return [_surface(boundary, tuple(np.nonzero(label == k)[0].tolist())) for k in range(number)]
+    return connected_components(graph, directed=False)[1]
+
+
+def _hanging(
+    boundary: Boundary, corners: Array, label: NDArray[np.int32], near: float
+) -> NDArray[np.int64]:
+    """Pairs (n, 2) of patches of different components, a corner of one on an edge of the other."""
+    each = len(corners) // len(label)
+    pairs = []
+    for number, patch in enumerate(boundary.patches):
+        others = np.repeat(label != label[number], each)
+        for edge in patch.surface.edges():
+            low, high = edge.points.min(axis=0) - near, edge.points.max(axis=0) + near
+            inside = ((corners >= low) & (corners <= high)).all(axis=1) & others
+            for k in np.nonzero(inside)[0]:
+                if closest_point(edge, corners[k])[1] <= near:
+                    pairs.append((number, int(k) // each))
+    return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
 def _surface(boundary: Boundary, indices: tuple[int, ...]) -> Surface:

@@ -23,7 +23,8 @@ from cadbem.spline.basis import Array
 
 Goal = str | ArrayLike
 WALL_SHEAR, OPENINGS = "wall shear", "openings"
-SLIP_SAFETY = 1.5  # what the slip's reach into the fluid is worth more, by comparison with finer flows
+SLIP_SAFETY = 1.5  # by comparison with finer flows
+LEAST_FLOW = 0.1  # share of speed times area that errors of small flow rates are compared with
 CHECKED = 1e-5  # tolerance of integrals: residuals need few digits
 
 
@@ -83,7 +84,9 @@ def _openings(
             pressures[name] = pressure, -weights / area
     if not rates:
         return []
+    area = sum(p.area for p in equations.openings.values())
     flow = sum(abs(value) for value, _ in rates.values()) / 2
+    flow = max(flow, LEAST_FLOW * _speed(CheckPoints.of(space), velocity.coefficients) * area)
     values = [value for value, _ in pressures.values()]
     drop = max(max(values) - min(values), max(map(abs, values)))
     for name, condition in equations.conditions.items():
@@ -142,13 +145,18 @@ def _slip(
     widths = np.array([min(lengths(p.surface)) for p in boundary.patches])
     degrees = np.array([max(p.surface.degrees) for p in boundary.patches])
     squares = widths / 2 * (steady + squares / (degrees + 1))
-    given = checks.values(velocity.coefficients)
-    given = given - background.velocity_at(checks.points.position)
-    speed = np.linalg.norm(given, axis=0)
-    moving = speed > 1e-6 * max(float(speed.max()), 1e-300)
-    scale = np.sqrt((speed**2)[moving] @ checks.weights[moving] / checks.weights[moving].sum())
+    far = background.velocity_at(checks.points.position)
+    scale = _speed(checks, velocity.coefficients, far)
     squares = SLIP_SAFETY**2 * squares
-    return Norm("velocity in the mean square", float(scale), squares / _volume(equations, areas))
+    return Norm("velocity in the mean square", scale, squares / _volume(equations, areas))
+
+
+def _speed(checks: CheckPoints, velocity: Array, far: Array | float = 0.0) -> float:
+    """Mean square root of the speed over that part of the boundary that moves."""
+    speed = np.linalg.norm(checks.values(velocity) - far, axis=0)
+    moving = speed > 1e-6 * max(float(speed.max()), 1e-300)
+    weights = checks.weights[moving]
+    return float(np.sqrt(speed[moving] ** 2 @ weights / max(weights.sum(), 1e-300)))
 
 
 def _volume(equations: StokesEquations, areas: Array) -> float:
