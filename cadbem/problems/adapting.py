@@ -6,7 +6,7 @@ import time
 import warnings
 from collections.abc import Callable
 from math import ceil, log
-from typing import TypeVar
+from typing import Any, Protocol, TypeVar
 
 import numpy as np
 
@@ -14,8 +14,10 @@ from cadbem.boundary import Boundary
 from cadbem.elements.initial import RATIO, first_elements
 from cadbem.elements.marking import Evidence, marked, refined
 from cadbem.errors import AccuracyWarning, ConditionError
+from cadbem.operators.compressed.storage import Compressed, Dense, Storage
 from cadbem.problems.estimates import Analysis
 from cadbem.progress import notice
+from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 
 Solution = TypeVar("Solution")
@@ -24,6 +26,7 @@ FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
 MOST_POINTS = 4000
 EXPONENT = 1.09  # errors of flow rates fall so with the size of elements at a right-angled edge
 SINGULAR = 3e-3  # error that such an edge makes with elements as large as the channel is wide
+QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
 PORTION = 0.7  # of an error, that of the elements that are refined
 GROWTH = 1.25  # of the points in a round, at least
 
@@ -73,6 +76,34 @@ def adapted(
         stacklevel=4,
     )
     return best
+
+
+class Adaptable(Protocol):
+    """A problem that is solved on refined elements."""
+
+    @property
+    def quadrature(self) -> Rules:
+        """How accurately it is integrated."""
+
+    @property
+    def storage(self) -> Storage | None:
+        """How its matrix is kept."""
+
+
+def adaptive(problem: Adaptable, accuracy: float) -> dict[str, Any]:
+    """Fields of a problem that follow from an accuracy, if the user has not chosen: the integrals'
+    tolerance, and a dense matrix, which estimates need.
+
+    Raises ``ConditionError`` for a compressed matrix.
+    """
+    if isinstance(problem.storage, Compressed):
+        raise ConditionError(
+            "an accuracy asks for a dense matrix; leave storage away, or choose the elements"
+        )
+    rules = problem.quadrature
+    if rules == Quadrature():
+        rules = Quadrature(min(max(QUADRATURE_SHARE * accuracy, 1e-10), 1e-5))
+    return {"quadrature": rules, "storage": Dense()}
 
 
 def _levels(accuracy: float) -> int:

@@ -14,18 +14,23 @@ values, times ``SAFETY`` for what coarse check points miss beside singular edges
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from cadbem.errors import AccuracyWarning, ConditionError
 from cadbem.operators.solve import DenseFactors
 from cadbem.problems.functionals import Functional
 from cadbem.problems.mixed import MixedSystem
 from cadbem.problems.residual import CheckPoints
+from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 
 SAFETY = 2.0
+CHECKED = 1e-5  # tolerance of integrals: residuals need few digits
+DOUBTFUL = 0.02  # relative error from which a solution warns
 
 
 @dataclass(frozen=True)
@@ -89,10 +94,33 @@ class Accuracy:
         return "\n".join(f"{e}  ({e.relative:.1e} relative)" for e in self.estimates)
 
 
+def coarser(rules: Rules) -> Rules:
+    """The rules with which residuals are worked out."""
+    if isinstance(rules, Quadrature):
+        return Quadrature(max(rules.tolerance, CHECKED))
+    return rules
+
+
+def warn_if_doubtful(accuracy: Accuracy) -> None:
+    """An ``AccuracyWarning`` for a solution on elements that are too few."""
+    worst = accuracy.worst
+    if worst.relative > DOUBTFUL:
+        warnings.warn(
+            f"{worst.name} may be off by {worst.relative:.0%} of its size: the elements are too "
+            "few or in the wrong places; solve(accuracy=1e-3) chooses them by itself",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+
+
 def adjoints(system: MixedSystem, functionals: Sequence[Functional]) -> Array:
     """Values (M, rows, T) at the collocation points of the adjoint of each functional."""
     factors = system.factors
-    assert isinstance(factors, DenseFactors), "compressed systems have no transpose"
+    if not isinstance(factors, DenseFactors):
+        raise ConditionError(
+            "errors are estimated with the factors of a dense matrix; solve with storage=Dense(), "
+            "or judge the flow by one on fewer points"
+        )
     unknowns = system.splits[0].value_mixing.shape[1]
     right = np.zeros((len(functionals), unknowns, system.space.count))
     for m, functional in enumerate(functionals):
@@ -139,7 +167,7 @@ def analysed(
 ) -> Analysis:
     """Errors of functionals by their adjoints, and of norms as they are."""
     space = system.space
-    adjoint = [space.interpolate(z) for z in adjoints(system, functionals)]
+    adjoint = [space.interpolate(z) for z in adjoints(system, functionals)] if functionals else []
     spots = [(checks.values(z) * residual).sum(axis=0) for z in adjoint]
     found = [_estimate(f, checks, s) for f, s in zip(functionals, spots, strict=True)]
     for norm in norms:
@@ -148,7 +176,7 @@ def analysed(
         found.append((estimate, norm.squares / max(error * norm.scale, 1e-300)))
     return Analysis(
         Accuracy(tuple(e for e, _ in found)), checks, np.array([s for _, s in found]),
-        np.array(spots).reshape(len(spots), -1), (*fields, *adjoint),
+        np.array(spots).reshape(len(spots), len(checks.weights)), (*fields, *adjoint),
     )  # fmt: skip
 
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.sparse import block_diag
 
+from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.operators.layers import collocation_targets
 from cadbem.operators.potentials import Potentials
+from cadbem.problems.adapting import MOST_POINTS, adapted, adaptive
+from cadbem.problems.estimates import Analysis
+from cadbem.problems.heat_accuracy import analyse_heat
 from cadbem.problems.heat_conditions import (
     SurfaceExchange,
     split_heat,
@@ -37,12 +41,33 @@ class HeatProblem(HeatEquations):
     no balance above absolute zero.
     """
 
-    def solve(self) -> HeatSolution:
+    def solve(
+        self, accuracy: float | None = None, *, most_points: int = MOST_POINTS
+    ) -> HeatSolution:
         """Temperature and heat flux on the boundary, from which all other fields follow.
+
+        With an ``accuracy``, such as 1e-3, elements are chosen and refined until the estimated
+        errors of heat rates and of the temperature in the mean square are below that share of
+        their size; see ``StokesProblem.solve``.
 
         Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c its
         ``free_term``, q = -k ∂φ/∂n with n into the body.
         """
+        if accuracy is None:
+            return self._solved()
+
+        def solve(boundary: Boundary) -> tuple[HeatSolution, Analysis]:
+            finer = replace(self, boundary=boundary, **adaptive(self, accuracy))
+            solution = finer._solved()
+            fields = solution.temperature, solution.flux
+            return solution, analyse_heat(finer, solution.system, *fields)
+
+        solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
+        vars(solution)["accuracy"] = analysis.accuracy
+        return solution
+
+    def _solved(self) -> HeatSolution:
+        """The solution on the patches as they are."""
         slope = self.conductivity / self.size
         splits = [split_heat(self.conditions[p.name], slope) for p in self.boundary.patches]
         system = MixedSystem(self.layers, 1 / self.conductivity, splits)
@@ -55,7 +80,9 @@ class HeatProblem(HeatEquations):
             flux[0, part] = self._balance(radiating, unknowns[0, part], response[part], slope)
             unknowns = unknowns + response @ flux[0, part]
         temperature, flux = system.complete(temperature, flux, unknowns)
-        return HeatSolution(self, Field(self.space, temperature), Field(self.space, flux))
+        return HeatSolution(
+            self, system, Field(self.space, temperature), Field(self.space, flux)
+        )
 
     def _source_term(self) -> Array | float:
         if self.source_kernels is None:

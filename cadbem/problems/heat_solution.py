@@ -4,15 +4,18 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.kernels.kernel import Kernel
 from cadbem.points import surface_points
+from cadbem.problems.estimates import Accuracy
+from cadbem.problems.heat_accuracy import analyse_heat
 from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_source import gradient_kernel, total_source
-from cadbem.problems.mixed import patches_named, represent
+from cadbem.problems.mixed import MixedSystem, patches_named, represent
 from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -25,6 +28,7 @@ class HeatSolution:
     """``temperature`` and ``flux``, heat into the body per area, as scalar fields (1, ·)."""
 
     problem: HeatEquations
+    system: MixedSystem
     temperature: Field
     flux: Field
 
@@ -32,6 +36,14 @@ class HeatSolution:
     def space(self) -> Space:
         """Unknowns and collocation points."""
         return self.temperature.space
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """How wrong heat rates and the temperature may be: see ``Accuracy``.
+
+        Raises ``ConditionError`` without a dense matrix.
+        """
+        return analyse_heat(self.problem, self.system, self.temperature, self.flux).accuracy
 
     def temperature_at(self, points: ArrayLike) -> Array:
         """Temperature (M,) at points (dim, M) in the body or on its boundary.

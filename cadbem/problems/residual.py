@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from math import ceil
 
 import numpy as np
 
@@ -17,15 +18,14 @@ from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
 
-MORE = 2  # Gauss points a direction and element, beyond the degree
-
 
 @dataclass(frozen=True, eq=False)
 class CheckPoints:
     """Points where equations are checked: ``patch`` (N,), ``parameters`` (p, N) and ``weights``
     (N,) of an integral over the boundary.
 
-    They lie between the collocation points: one more Gauss point a direction than functions.
+    They are Gauss points of each element, some more than there are functions, so that they lie
+    between the collocation points.
     """
 
     space: Space
@@ -40,9 +40,10 @@ class CheckPoints:
         owners, parameters, points, weights = [], [], [], []
         for number, patch in enumerate(space.boundary.patches):
             surface = patch.surface
+            axes = range(len(surface.degrees))
             rules = [
-                gauss_on_breaks(degree + MORE, surface.breaks(d))
-                for d, degree in enumerate(surface.degrees)
+                gauss_on_breaks(_order(degree, len(breaks) - 1), breaks)
+                for degree, breaks in zip(surface.degrees, map(surface.breaks, axes), strict=True)
             ]
             place, weight = tensor_rule(rules)
             parameters.append(np.array(place))
@@ -72,6 +73,11 @@ class CheckPoints:
         """Integrals (P,) over each patch of values (N,)."""
         count = len(self.space.boundary.patches)
         return np.bincount(self.patch, values * self.weights, minlength=count).astype(float)
+
+
+def _order(degree: int, elements: int) -> int:
+    """Gauss points an element, of which a direction has degree + elements functions."""
+    return max(2, ceil((degree + 1) / elements) + 1)
 
 
 def residual(

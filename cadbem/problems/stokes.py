@@ -9,17 +9,17 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
-from cadbem.problems.adapting import MOST_POINTS, adapted
-from cadbem.problems.conditions import Background, Condition
+from cadbem.operators.layers import Layers
+from cadbem.problems.adapting import MOST_POINTS, adapted, adaptive
+from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
-from cadbem.problems.estimates import Analysis
+from cadbem.problems.estimates import Analysis, warn_if_doubtful
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes_accuracy import Goal, analyse
-from cadbem.quadrature import Quadrature, Rules
+from cadbem.problems.straightness import warn_if_not_straight
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
-QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
 SHARED = ("space", "surfaces", "regions", "openings", "layers", "inner_pressure", "constraints")
 
 
@@ -60,8 +60,17 @@ class StokesProblem(StokesEquations):
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
+        walls = [i for i, kind in enumerate(self.kinds) if isinstance(kind, NoSlip)]
+        warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
         if accuracy is not None:
             return self._adapted(accuracy, goal, most_points)
+        solution = self._solved()
+        if isinstance(self.layers, Layers):
+            warn_if_doubtful(solution.accuracy)
+        return solution
+
+    def _solved(self) -> StokesSolution:
+        """The flow on the patches as they are."""
         known = self.known()
         background = self.background.velocity_at(self.space.collocation.position)
         within = -self.background.pressure_at(self.inner_points)
@@ -74,21 +83,15 @@ class StokesProblem(StokesEquations):
         openings = self.openings
 
         def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
-            finer = replace(self, boundary=boundary, quadrature=self._rules(accuracy))
+            finer = replace(self, boundary=boundary, **adaptive(self, accuracy))
             vars(finer)["openings"] = openings  # the same rims, whatever the elements
-            solution = finer.solve()
+            solution = finer._solved()
             fields = solution.velocity, solution.traction
             return solution, analyse(finer, *fields, self.background, goal)
 
         solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
         vars(solution)["accuracy"] = analysis.accuracy
         return solution
-
-    def _rules(self, accuracy: float) -> Rules:
-        """Integrals as accurate as an accuracy needs, if the user has not chosen."""
-        if self.quadrature != Quadrature():
-            return self.quadrature
-        return Quadrature(min(max(QUADRATURE_SHARE * accuracy, 1e-10), 1e-5))
 
     def with_data(self, conditions: Mapping[str, Condition]) -> StokesProblem:
         """The same problem with other data in some ``conditions`` of the same kinds.

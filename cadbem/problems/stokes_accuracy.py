@@ -13,11 +13,10 @@ from cadbem.operators.layers import assemble_layers
 from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
 from cadbem.problems.equations import StokesEquations
-from cadbem.problems.estimates import Analysis, Norm, analysed
+from cadbem.problems.estimates import Analysis, Norm, analysed, coarser
 from cadbem.problems.functionals import Functional
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.residual import CheckPoints, residual
-from cadbem.quadrature import Quadrature, Rules
 from cadbem.space import Field, rational_basis
 from cadbem.spline.basis import Array
 
@@ -25,7 +24,6 @@ Goal = str | ArrayLike
 WALL_SHEAR, OPENINGS = "wall shear", "openings"
 SLIP_SAFETY = 1.5  # by comparison with finer flows
 LEAST_FLOW = 0.1  # share of speed times area that errors of small flow rates are compared with
-CHECKED = 1e-5  # tolerance of integrals: residuals need few digits
 
 
 def analyse(
@@ -49,10 +47,10 @@ def analyse(
         far = background.velocity_at(checks.points.position)
         return twice * (far - checks.values(u - thin))
 
-    missed = residual(equations.system, checks, thin, f, source, _coarser(equations.quadrature))
+    missed = residual(equations.system, checks, thin, f, source, coarser(equations.quadrature))
     if goal is None:
         functionals = [
-            *_openings(equations, velocity, traction), *_forces(equations, traction)
+            *_openings(equations, velocity, traction), *_forces(equations, velocity, traction)
         ]  # fmt: skip
         norms = [_slip(equations, checks, missed / twice, velocity, background)]
     elif isinstance(goal, str) and goal == OPENINGS:
@@ -60,12 +58,6 @@ def analyse(
     else:
         functionals, norms = _goal(equations, velocity, traction, background, goal), []
     return analysed(functionals, norms, equations.system, checks, missed, (u, f))
-
-
-def _coarser(rules: Rules) -> Rules:
-    if isinstance(rules, Quadrature):
-        return Quadrature(max(rules.tolerance, CHECKED))
-    return rules
 
 
 def _openings(
@@ -99,8 +91,11 @@ def _openings(
     return found
 
 
-def _forces(equations: StokesEquations, traction: Field) -> list[Functional]:
-    """Components of the forces on bodies, all compared with the largest of them."""
+def _forces(
+    equations: StokesEquations, velocity: Field, traction: Field
+) -> list[Functional]:
+    """Components of the forces on bodies, all compared with the largest of them, or with viscosity
+    times speed times size where that is larger."""
     space, bodies = equations.space, [s.patches for s in equations.given_bodies]
     inside = {i for body in bodies for i in body}
     names = [
@@ -118,9 +113,18 @@ def _forces(equations: StokesEquations, traction: Field) -> list[Functional]:
             weights = row[:, None] * integrals
             value = float((weights * traction.coefficients).sum())
             found.append((name, "xyz"[axis], value, weights))
-    largest = max((abs(value) for *_, value, _ in found), default=0.0)
+    if not found:
+        return []
+    checks, dimension = CheckPoints.of(space), space.boundary.dimension
+    area = max(
+        sum(float(space.boundary.patches[i].quadrature(8)[1].sum()) for i in body)
+        for body in bodies
+    )
+    size = area ** (1 / (dimension - 1)) if dimension == 3 else 1.0
+    scale = equations.viscosity * _speed(checks, velocity.coefficients) * size
+    scale = max(scale, *(abs(value) for *_, value, _ in found))
     return [
-        Functional(f"{axis} force", name, value, largest, 0 * weights, weights)
+        Functional(f"{axis} force", name, value, scale, 0 * weights, weights)
         for name, axis, value, weights in found
     ]
 
@@ -145,6 +149,9 @@ def _slip(
     widths = np.array([min(lengths(p.surface)) for p in boundary.patches])
     degrees = np.array([max(p.surface.degrees) for p in boundary.patches])
     squares = widths / 2 * (steady + squares / (degrees + 1))
+    if not any(s.holds_fluid for s in equations.surfaces):
+        plates = [i for s in equations.surfaces if not s.is_body for i in s.patches]
+        squares[plates] = 0.0  # in unbounded fluid they are as large as one likes
     far = background.velocity_at(checks.points.position)
     scale = _speed(checks, velocity.coefficients, far)
     squares = SLIP_SAFETY**2 * squares
