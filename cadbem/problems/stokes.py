@@ -60,7 +60,8 @@ class StokesProblem(StokesEquations):
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
-        walls = [i for i, kind in enumerate(self.kinds) if isinstance(kind, NoSlip)]
+        bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
+        walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
         warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
         if accuracy is not None:
             return self._adapted(accuracy, goal, most_points)
