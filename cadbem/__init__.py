@@ -90,7 +90,6 @@ if TYPE_CHECKING:
     from cadbem.results import render as render
     from cadbem.results import run_folder as run_folder
     from cadbem.script import run as run
-    from cadbem.script import text_table as text_table
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
@@ -144,6 +143,7 @@ if TYPE_CHECKING:
     from cadbem.suspension.time.stepping import Adaptive as Adaptive
     from cadbem.suspension.time.stepping import Euler as Euler
     from cadbem.suspension.time.thesis_methods import thesis_methods as thesis_methods
+    from cadbem.tables import text_table as text_table
     from cadbem.units import Numbers as Numbers
     from cadbem.units import Quantity as Quantity
     from cadbem.units import Units as Units
@@ -215,7 +215,7 @@ _NAMES = {
     "operators.compressed.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
     "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
-    "script": ("run", "text_table"),
+    "script": ("run",),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
     "spline.closed": (
@@ -270,6 +270,7 @@ _NAMES = {
     "suspension.time.stepping": ("Adaptive", "Euler"),
     "suspension.time.thesis_methods": ("thesis_methods",),
     "suspension.interface.volume": ("CorrectVolume",),
+    "tables": ("text_table",),
     "units": ("Numbers", "Quantity", "Units", "numbers"),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}

@@ -9,7 +9,7 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
-    {"errors", "progress", "command"},
+    {"errors", "progress", "command", "tables"},
     {"compiled", "files", "units"},
     {"spline", "quadrature", "kernels"},
     {"points", "refinement"},
