@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
     from cadbem.post import draw_paths as draw_paths
+    from cadbem.post import draw_run as draw_run
     from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_series as draw_series
     from cadbem.post import draw_slices as draw_slices
@@ -136,6 +137,7 @@ if TYPE_CHECKING:
     from cadbem.suspension.surroundings.flows import shear as shear
     from cadbem.suspension.surroundings.flows import uniaxial_extension as uniaxial_extension
     from cadbem.suspension.surroundings.free_flow import FreeFlow as FreeFlow
+    from cadbem.suspension.time.history import Course as Course
     from cadbem.suspension.time.history import History as History
     from cadbem.suspension.time.history import record as record
     from cadbem.suspension.time.simulation import Simulation as Simulation
@@ -184,6 +186,7 @@ _NAMES = {
         "draw_movie",
         "draw_outlines",
         "draw_paths",
+        "draw_run",
         "draw_scene",
         "draw_series",
         "draw_slices",
@@ -252,7 +255,7 @@ _NAMES = {
         "uniaxial_extension",
     ),
     "suspension.surroundings.free_flow": ("FreeFlow",),
-    "suspension.time.history": ("History", "record"),
+    "suspension.time.history": ("Course", "History", "record"),
     "suspension.interface.laws": (
         "Bending",
         "SurfaceTension",

@@ -15,6 +15,7 @@ from cadbem.post.fields.cells import edge_lines, tessellated, wall_stresses
 from cadbem.post.fields.frames import Frame
 from cadbem.post.fields.volume import volume_grid
 from cadbem.post.files.export import write_mesh, write_vtu
+from cadbem.post.run_pictures import draw_run
 from cadbem.post.style.display import require_display
 
 __all__ = [
@@ -28,6 +29,7 @@ __all__ = [
     "draw_movie",
     "draw_outlines",
     "draw_paths",
+    "draw_run",
     "draw_scene",
     "draw_series",
     "draw_slices",

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
@@ -19,7 +20,7 @@ from cadbem.suspension.bodies.particle import RigidParticle
 from cadbem.suspension.multibody.contact import Gap, narrowest
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.multibody.fields import velocity_at
-from cadbem.suspension.multibody.measures import Measures, measure
+from cadbem.suspension.multibody.measures import Measures, centre_velocity, measure
 from cadbem.suspension.multibody.multibody import MultibodySystem
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
@@ -96,6 +97,18 @@ class State:
     def gaps(self) -> list[Gap]:
         """The narrowest gap of each body, if it is narrow."""
         return narrowest(self.flow, self.placed, self.numbers, everywhere=False)
+
+    @property
+    def velocities(self) -> list[Array]:
+        """Velocity (dim,) of the centre of each body."""
+        return [
+            centre_velocity(b.shape, r.velocity) if isinstance(b, Droplet) else r.velocity
+            for b, r in zip(self.bodies, self.responses, strict=True)
+        ]
+
+    def gap(self, number: int) -> float:
+        """Length of the narrowest gap of the body of a number, inf where it is wide."""
+        return next((gap.length for gap in self.gaps if gap.body == number), np.inf)
 
     def velocity_at(self, points: ArrayLike) -> Array:
         """Velocity (dim, M) at points (dim, M) inside and outside the bodies, in the fluid."""
