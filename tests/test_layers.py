@@ -31,6 +31,7 @@ WINGS = {
     "cad": ("text", "kernel", "faces", "layout", "labels", "body", "export", ""),
     "operators": ("", "far", "closed", "compressed"),
     "suspension": ("surroundings", "rigid", "interface", "bodies", "multibody", "time"),
+    "verification": ("", "figures"),
     "post": ("files", "style", "fields", "scene", "plane", "bodies", "channel", ""),
 }
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
