@@ -8,12 +8,12 @@ from functools import partial
 
 import cadbem as cb
 from cadbem.verification.figures import shear
-from cadbem.verification.figures.common import Keep, Runs, labelled
+from cadbem.verification.figures.common import KEEP, Keep, Runs, labelled
 
 
 def simulate(
     capillary: float, ratio: float, points: int, degree: int, end: float,
-    keep: Keep = cb.Simulation.run, **options,
+    keep: Keep = KEEP, **options,
 ) -> cb.History:  # fmt: skip
     shape = cb.spline_sphere(points=points, degree=degree)
     droplet = cb.Droplet(shape, cb.capillary_tension(capillary), ratio)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
+from typing import Protocol
 
 from cadbem.boundary import Boundary
 from cadbem.files import Folder
@@ -14,6 +15,15 @@ from cadbem.suspension.time.state import State
 Runs = dict[tuple, History]
 Simulate = Callable[..., History]
 Keep = Callable[[Simulation, float, float], Iterator[State]]
+KEEP = Simulation.run  # nowhere but in memory
+
+
+class RunsFolder(Folder, Protocol):
+    """A folder that keeps simulations, each in a part of its own."""
+
+    def run(
+        self, simulation: Simulation, end: float, every: float | None = None, part: str = ""
+    ) -> Iterator[State]: ...
 
 
 def labelled(part: str, runs: Mapping) -> Runs:

@@ -16,7 +16,7 @@ from cadbem.suspension.multibody.measures import taylor_deformation
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.history import History
 from cadbem.tables import text_table
-from cadbem.verification.figures.common import Runs, channel, report_stopped
+from cadbem.verification.figures.common import Runs, Simulate, channel, report_stopped
 from cadbem.verification.figures.plates_2d import flux_across
 
 
@@ -39,6 +39,31 @@ def area_change(run: History) -> float:
     """Largest relative change of a droplet's area."""
     areas = np.array([[d.volume for d in state.droplets] for state in run.states])
     return float(abs(areas / areas[0] - 1).max())
+
+
+def tell(folder: Folder, runs: Runs) -> dict[str, float]:
+    """Report and pictures of runs between plates and in unbounded fluid; smallest gaps."""
+    if runs:
+        report(runs)
+    if folder:
+        for name in {key[0] for key in runs}:
+            draw(folder / name, runs[name, "plates"], runs[name, "unbounded"])
+    return {
+        f"smallest gap, {name}, {place}": gaps(run)[0].min() for (name, place), run in runs.items()
+    }
+
+
+def convergence_runs(
+    simulate: Simulate, points: int, tolerance: float, known: History | None
+) -> dict[tuple[int, float], History]:
+    """How the end depends on points and steps, with a report; ``known`` is the run that all
+    others are compared with, if there is one."""
+    choices = [(points * 3 // 4, tolerance), (points * 3 // 2, tolerance)]
+    choices += [(points, tolerance * 10), (points, tolerance / 10)]
+    runs = {} if known is None else {(points, tolerance): known}
+    runs |= {choice: simulate(*choice) for choice in choices}
+    report_convergence(runs)
+    return runs
 
 
 def report(runs: Runs) -> None:

@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from functools import partial
+from typing import Any
+
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
@@ -9,11 +13,12 @@ from cadbem.files import Folder
 from cadbem.post import draw_run
 from cadbem.post.style.plots import Curve, Plot, draw_plots
 from cadbem.spline.shapes import parallelogram
+from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.interface.laws import SurfaceTension
 from cadbem.suspension.multibody.measures import inclination, taylor_deformation
 from cadbem.suspension.time.history import History
 from cadbem.tables import text_table
-from cadbem.verification.figures.common import Runs, channel, channel_flow
+from cadbem.verification.figures.common import Runs, RunsFolder, Simulate, channel, channel_flow
 from cadbem.verification.theory import shapira_haber
 from cadbem.verification.true_series import PLATES
 
@@ -42,6 +47,54 @@ def true_series(run: History) -> tuple[np.ndarray, np.ndarray]:
 def kept(run: History, times: np.ndarray) -> np.ndarray:
     """D at times of the true series."""
     return np.array([taylor_deformation(run.at(t).droplet.shape) for t in times])
+
+
+def tell_time(folder: Folder, run: History) -> dict[str, float]:
+    """Report and pictures of D(τ) (Fig. 4.8); the largest and the last D."""
+    report_time(run)
+    if folder:
+        draw_time(folder, run)
+        draw_motion(folder, run)
+    return {"largest D": run.deformation.max(), "last D": run.deformation[-1]}
+
+
+def steady_runs(
+    simulate: Simulate, droplet: Droplet, confinements: list[float], folder: RunsFolder
+) -> dict[float, History]:
+    """Steady shapes for rising R / W (Fig. 4.7), each from the one before, in parts of the
+    ``folder``; with a report and a picture."""
+    runs: dict[float, History] = {}
+    for share in confinements:
+        keep = partial(folder.run, part=f"confinement_{share:g}")
+        runs[share] = simulate(droplet, share, keep=keep)
+        droplet = runs[share].last.droplet
+    report_confinement(runs)
+    if folder:
+        draw_confinement(folder, runs)
+    return runs
+
+
+def resolution_runs(
+    simulate: Simulate,
+    droplet: Callable[..., Droplet],
+    confinement: float,
+    tolerance: float,
+    end: float,
+) -> Runs:
+    """Runs that differ from the first in one thing each, with a report."""
+
+    def run(drop: Droplet, step: float = tolerance, **plate: Any) -> History:
+        return simulate(drop, confinement, step, end, **plate)
+
+    plates = {"side": (6.0, 24.0), "spans": (4, 6, 12), "rings": (3,)}
+    changes = [(name, value) for name, values in plates.items() for value in values]
+    first = {("as above", ""): run(droplet())}
+    finer = {(name, value): run(droplet(), **{name: value}) for name, value in changes}
+    counts = {("points", n): run(droplet(points=n)) for n in (128, 392)}
+    steps = {("tolerance", t): run(droplet(), t) for t in (4 * tolerance, tolerance / 4)}
+    runs: Runs = first | finer | counts | steps
+    report_resolution(runs)
+    return runs
 
 
 def report_time(run: History) -> None:

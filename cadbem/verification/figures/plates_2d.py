@@ -15,8 +15,18 @@ from cadbem.suspension.multibody.measures import inclination
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.history import History
 from cadbem.suspension.time.state import State
+from cadbem.suspension.time.stepping import Adaptive
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.tables import text_table
-from cadbem.verification.figures.common import Runs, channel, channel_flow, report_stopped
+from cadbem.verification.figures.common import (
+    Runs,
+    Simulate,
+    channel,
+    channel_flow,
+    report_stopped,
+    told,
+)
+from cadbem.verification.plates import between_plane_plates
 from cadbem.verification.theory import far_plates
 
 
@@ -28,6 +38,53 @@ def flux_across(state: State, x: float) -> float:
     nodes, weights = np.polynomial.legendre.leggauss(120)
     points = np.stack([np.full(120, x), half_width * nodes])
     return float(state.velocity_at(points)[0] @ weights) * 2 / half_width
+
+
+def tell_widths(
+    folder: Folder, runs: dict[float, History], ratio: float
+) -> dict[float, History]:
+    """Report and pictures of D(τ) for several widths; the same runs."""
+    report_widths(runs, ratio)
+    if folder:
+        draw_widths(folder, runs, ratio)
+        told(folder)
+    return runs
+
+
+def drift_runs(simulate: Simulate, folder: Folder) -> dict[float, History]:
+    """Droplets that start off the middle, with a report and a picture."""
+    flow = between_plane_plates(2.0)
+    runs = {y: simulate(flow, centre=(-4.0, y)) for y in (0.25, 0.5, 0.75)}
+    report_drift(runs)
+    if folder:
+        draw_drift(folder, runs)
+        told(folder)
+    return runs
+
+
+def resolution_runs(simulate: Simulate, width: float, points: int, end: float) -> Runs:
+    """Runs that differ from the first in one thing each, with a report."""
+
+    def run(flow: dict | None = None, count: int = points, **options: Any) -> History:
+        channel = between_plane_plates(width, **(flow or {}))
+        return simulate(channel, points=count, end=end, **options)
+
+    first = {("as above", ""): run()}
+    counts = {("droplet points", n): run(count=n) for n in (16, 24, 32, 2 * points)}
+    lengths = {("channel length / W", n): run({"length": n}) for n in (4, 6, 20)}
+    finer = {("elements a half width", n): run({"parts": n}) for n in (1, 2, 4, 16)}
+    steps = {("tolerance of steps", t): run(stepper=Adaptive(t)) for t in (1e-3, 1e-5)}
+    runs: Runs = first | counts | lengths | finer | steps
+    report_resolution(runs, points)
+    return runs
+
+
+def thesis_runs(simulate: Simulate, widths: list[float]) -> dict[float, History]:
+    """The thesis's methods and numbers of points, with a report."""
+    way = {"degree": 2, **thesis_methods()}
+    runs = {w: simulate(between_plane_plates(w, parts=7), points=20, **way) for w in widths}
+    report_thesis(runs)
+    return runs
 
 
 def report_widths(runs: dict[float, History], ratio: float) -> None:
