@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from cadbem.design.network import network_of as network_of
     from cadbem.design.release_points import Starts as Starts
     from cadbem.design.release_points import inlet_starts as inlet_starts
+    from cadbem.design.run_report import bodies_report as bodies_report
+    from cadbem.design.run_report import course_report as course_report
     from cadbem.design.tracers import Tracers as Tracers
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
@@ -59,6 +61,7 @@ if TYPE_CHECKING:
     from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_series as draw_series
     from cadbem.post import draw_slices as draw_slices
+    from cadbem.post import draw_solution as draw_solution
     from cadbem.post import draw_streamlines as draw_streamlines
     from cadbem.post import draw_traction as draw_traction
     from cadbem.post import draw_trajectories as draw_trajectories
@@ -160,6 +163,7 @@ _NAMES = {
     "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
     "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
     "design.release_points": ("Starts", "inlet_starts"),
+    "design.run_report": ("bodies_report", "course_report"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
@@ -190,6 +194,7 @@ _NAMES = {
         "draw_scene",
         "draw_series",
         "draw_slices",
+        "draw_solution",
         "draw_streamlines",
         "draw_traction",
         "draw_trajectories",

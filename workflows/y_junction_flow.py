@@ -12,11 +12,14 @@ GEOMETRY = Path(__file__).parents[1] / "geometries" / "y_junction.step"
 
 
 def main(
-    output: str = "results/y_junction_flow",
-    spans: int = 7,
-    degree: int = 2,
+    output: str = "results/y_junction_flow", spans: int = 7, degree: int = 2,
     mesh_size: float = 0.35,
-) -> cb.StokesSolution:
+) -> cb.StokesSolution:  # fmt: skip
+    """Branches are 4 wide and high, the mean velocity is 3 in both inlets, the viscosity 1.
+
+    spans, degree: elements a direction on each face, and their degree
+    mesh_size: of the cells on which pictures of the flow are drawn
+    """
     folder = cb.run_folder(output, GEOMETRY)
 
     # Geometry: 18 four-sided faces with the names that the CAD file gives them
@@ -45,18 +48,7 @@ def main(
     folder.summary({"points": solution.space.count, "pressure drop": drop})
 
     # Pictures, and files for ParaView
-    if folder:
-        cb.draw_boundary(channel, folder / "faces.png")
-        cb.draw_collocation(solution.space, folder / "collocation.png")
-        cb.draw_traction(solution, folder / "traction.png")
-        points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
-        grid = cb.volume_grid(points, tetrahedra, solution)
-        cb.draw_slices(grid, channel, folder / "slices.png")
-        cb.draw_streamlines(grid, channel, folder / "streamlines.png")
-        cb.write_vtu(folder / "volume.vtu", grid)
-        cb.write_vtu(folder / "walls.vtu", cb.bezier_grid(channel, {
-            "velocity": solution.velocity, "traction": solution.traction}))  # fmt: skip
-        print(f"pictures and ParaView files are in {folder}")
+    cb.draw_solution(folder, solution, GEOMETRY, mesh_size)
     return solution
 
 

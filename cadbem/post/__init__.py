@@ -16,6 +16,7 @@ from cadbem.post.fields.frames import Frame
 from cadbem.post.fields.volume import volume_grid
 from cadbem.post.files.export import write_mesh, write_vtu
 from cadbem.post.run_pictures import draw_run
+from cadbem.post.solution_pictures import draw_solution
 from cadbem.post.style.display import require_display
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "draw_scene",
     "draw_series",
     "draw_slices",
+    "draw_solution",
     "draw_streamlines",
     "draw_traction",
     "draw_trajectories",

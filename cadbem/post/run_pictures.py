@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -15,13 +16,15 @@ from cadbem.post.bodies.movie import draw_movie, filmstrip
 from cadbem.post.bodies.time_series import draw_series
 from cadbem.post.bodies.trajectories import draw_trajectories
 from cadbem.post.fields.frames import Frame, extent_of
-from cadbem.post.style.style import UnitNames
+from cadbem.post.files.export import prepared
+from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.post.style.style import UnitNames, quantity_label
 from cadbem.spline.basis import Array
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.history import Course, History
 
 STILL = 1e-3  # way, as a share of what there is to see, below which bodies stay where they are
-ALL = ("movie.gif", "filmstrip.png", "paths.png", "series.png")
+ALL = ("movie.gif", "filmstrip.png", "paths.png", "series.png", "along.png")
 Series = Mapping[str, Array | Mapping[int, Array]]
 
 
@@ -34,22 +37,29 @@ def draw_run(
     units: UnitNames | None = None,
     colour: str = "",
 ) -> list[Path]:
-    """Draw a run into a ``folder``; returns what was drawn.
+    """Draw a run into a ``folder``, or nothing for a run's folder that keeps nothing; returns what
+    was drawn.
 
     ``pictures`` names those to draw: a movie (movie.gif, movie.mp4), a film strip, the paths of
     bodies that move (without a path where none does), and D, speed, narrowest gap and extra
-    pressure over time.  ``channel`` is drawn in place of that of the run's flow, ``units`` are
-    what labels say, ``colour`` names a field to colour bodies by, see ``draw_movie``.
+    pressure over time and, in a channel, over x of the centres ("along.png").  ``channel`` is drawn
+    in place of that of the run's flow, ``units`` are what labels say, ``colour`` names a field to
+    colour bodies by, see ``draw_movie``.
     """
+    if not folder:
+        return []
     flow = run.last.flow
     if channel is None and isinstance(flow, ChannelFlow):
         channel = flow.problem.boundary
     frames = [Frame(state.time, state.shapes) for state in run.states]
     tracks: dict[str | int, Array] = {n: run.track(n)[1] for n in run.numbers}
     drawn = RunPictures(Path(folder), channel, frames, tracks, units, colour)
-    if "series.png" in pictures:
-        return drawn.draw(pictures, run.times, series_of(run, drawn.moving))
-    return drawn.draw(pictures)
+    series = series_of(run, drawn.moving) if "series.png" in pictures else None
+    made = drawn.draw(pictures, run.times, series)
+    if "along.png" in pictures and drawn.moving and isinstance(flow, ChannelFlow):
+        made.append(prepared(drawn.folder / "along.png"))
+        draw_plots(made[-1], along(run, units))
+    return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,6 +117,34 @@ def series_of(run: History, moving: bool) -> Series:
         for label, values in named.items()
         if any(np.isfinite(v).sum() > 1 for v in values)
     } | pressures
+
+
+def along(run: History, units: UnitNames | None = None) -> list[Plot]:
+    """Plots of what becomes of bodies over x of their centres."""
+    courses = [run.course(number) for number in run.numbers]
+    wanted: dict[str, Callable[[Course], Array]] = {
+        "D": lambda c: c.deformation,
+        "speed": lambda c: c.speed,
+        "narrowest gap": lambda c: c.gap,
+        **{f"extra pressure, {n}": partial(_extra, n) for n in run.extra_pressure},
+    }
+    length = "" if units is None else units.length
+    plots = []
+    for label, value in wanted.items():
+        curves = [
+            Curve(c.centre[0], np.where(np.isfinite(value(c)), value(c), np.nan),
+                  f"body {c.number}" if len(courses) > 1 else "", colour=c.number)
+            for c in courses
+            if np.isfinite(value(c)).any()
+        ]  # fmt: skip
+        shown = label if units is None else quantity_label(label, length, units)
+        x = f"x of the centre ({length})" if length else "x of the centre"
+        plots += [Plot(x, shown, curves)] if curves else []
+    return plots
+
+
+def _extra(opening: str, course: Course) -> Array:
+    return course.extra_pressure[opening]
 
 
 def _placed(times: Array, course: Course, values: Array) -> Array:

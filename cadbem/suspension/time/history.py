@@ -42,6 +42,12 @@ class Course:
         return np.linalg.norm(self.velocity, axis=0)
 
     @property
+    def heading(self) -> Array:
+        """Angle (N,) in degrees to x, in the plane of x and y, of the direction in which the
+        centre goes, without jumps; from two times on."""
+        return plane_angle(np.gradient(self.centre[:2], self.times, axis=1))
+
+    @property
     def way(self) -> float:
         """Length of the centre's path, by straight lines."""
         return float(np.linalg.norm(np.diff(self.centre, axis=1), axis=0).sum())
@@ -84,6 +90,19 @@ class History:
         here = [s for s in self.states if number in s.numbers]
         centres = [s.bodies[s.numbers.index(number)].centre for s in here]
         return np.array([s.time for s in here]), np.array(centres).T
+
+    def turn(self, number: int = 1) -> Array:
+        """Matrices (dim, dim, N) that turn a rigid particle's shape, as it was given, into its
+        place; their columns are where the shape's axes point."""
+        particles = [s.bodies[s.numbers.index(number)] for s in self.states if number in s.numbers]
+        return np.stack([p.pose.matrix for p in particles], axis=-1)  # type: ignore[attr-defined]
+
+    @property
+    def cost(self) -> str:
+        """What the run took, and why it ended early, if it did."""
+        last = self.last
+        text = f"{last.steps} steps, {last.evaluations} evaluations, {self.seconds:.0f} CPU s"
+        return f"{text}\nended: {last.stopped}" if last.stopped else text
 
     @property
     def numbers(self) -> tuple[int, ...]:
@@ -147,6 +166,12 @@ class History:
                 "choose the run's 'every' so that it divides the times you ask for"
             )
         return self.states[near]
+
+
+def plane_angle(vectors: Array, period: float = 360.0) -> Array:
+    """Angle (N,) in degrees to x, in the plane of x and y, of vectors (dim, N), without jumps;
+    ``period`` is 180 for axes without a direction."""
+    return np.unwrap(np.degrees(np.arctan2(vectors[1], vectors[0])), period=period)
 
 
 def record(states: Iterable[State]) -> History:

@@ -10,7 +10,11 @@ from cadbem.boundary import Boundary
 from cadbem.files import Folder
 from cadbem.post import draw_droplets, draw_trajectories
 from cadbem.post.style.plots import Curve, Plot, draw_plots
+from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
+from cadbem.problems.stokes import StokesProblem
+from cadbem.quadrature import Quadrature
 from cadbem.spline.basis import Array
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.history import History
 from cadbem.tables import text_table
 from cadbem.verification.figures.common import channel_flow, report_stopped
@@ -29,6 +33,39 @@ class Resolution:
     levels: int = 0
     points: int = 200
     particle_spans: int = 4
+
+
+def finer(resolution: Resolution) -> list[Resolution]:
+    """Others to compare with."""
+    spans, levels, particle = resolution.spans, resolution.levels, resolution.particle_spans
+    return [
+        Resolution(spans - 2, levels, 128, particle - 1),
+        Resolution(spans, 0, resolution.points, particle),
+        Resolution(spans + 2, levels + 1, 288, particle + 1),
+    ]
+
+
+def junction_flow(channel: Boundary, resolution: Resolution) -> ChannelFlow:
+    """The flow without bodies, of mean velocity 3 in both inlets, in a junction whose elements get
+    smaller towards its outer corner."""
+    channel = channel.elevated(2).refined(resolution.spans)
+    if resolution.levels:
+        channel = channel.graded(
+            resolution.levels, 0.4, toward=lambda x, _: np.hypot(*(x[:2] - CORNER)) < 0.1
+        )
+    conditions: dict[str, Condition] = {
+        "inlet_a": Inflow(mean_velocity=3.0),
+        "inlet_b": Inflow(mean_velocity=3.0),
+        "outlet": Pressure(0.0),
+        "walls": NoSlip(),
+    }
+    return ChannelFlow(StokesProblem(channel, 1.0, conditions, Quadrature(1e-6)))
+
+
+def last_distances(runs: dict[tuple, History], resolution: Resolution) -> dict[str, float]:
+    """How far from the centreline bodies of one resolution are at last."""
+    alone = {kind: run for (kind, r), run in runs.items() if r == resolution}
+    return {f"{k}, last distance": off_centre(run.track()[1])[-1] for k, run in alone.items()}
 
 
 def off_centre(centres: np.ndarray) -> np.ndarray:
@@ -60,8 +97,11 @@ def report(runs: dict[tuple, History]) -> None:
     report_stopped({kind: run for (kind, _), run in runs.items()})
 
 
-def draw(folder: Folder, channel: Boundary, runs: dict[str, History]) -> None:
-    """Paths, distances from the centreline, and the droplet's last shape."""
+def draw(
+    folder: Folder, channel: Boundary, every: dict[tuple, History], resolution: Resolution
+) -> None:
+    """Paths, distances from the centreline, and the droplet's last shape, for one resolution."""
+    runs = {kind: run for (kind, r), run in every.items() if r == resolution}
     tracks: dict[str | int, Array] = {kind: run.track()[1] for kind, run in runs.items()}
     draw_trajectories(folder / "paths.png", channel, tracks)
     curves = [
