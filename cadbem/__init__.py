@@ -22,12 +22,15 @@ if TYPE_CHECKING:
     from cadbem.design.fate import droplet_fate as droplet_fate
     from cadbem.design.fate import droplet_fates as droplet_fates
     from cadbem.design.fate import fate_of as fate_of
+    from cadbem.design.fate import fates_report as fates_report
     from cadbem.design.network import Network as Network
     from cadbem.design.network import OperatingPoint as OperatingPoint
     from cadbem.design.network import hydraulic_network as hydraulic_network
     from cadbem.design.network import network_of as network_of
+    from cadbem.design.network import tube_resistance as tube_resistance
     from cadbem.design.release_points import Starts as Starts
     from cadbem.design.release_points import inlet_starts as inlet_starts
+    from cadbem.design.residence import residence_report as residence_report
     from cadbem.design.run_report import bodies_report as bodies_report
     from cadbem.design.run_report import course_report as course_report
     from cadbem.design.tracers import Tracers as Tracers
@@ -160,9 +163,16 @@ _NAMES = {
     "boundary": ("Boundary", "Patch"),
     "cad": ("inspect_cad", "mesh_volume", "read_cad", "read_outline", "write_patches"),
     "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
-    "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
-    "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
+    "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of", "fates_report"),
+    "design.network": (
+        "Network",
+        "OperatingPoint",
+        "hydraulic_network",
+        "network_of",
+        "tube_resistance",
+    ),
     "design.release_points": ("Starts", "inlet_starts"),
+    "design.residence": ("residence_report",),
     "design.run_report": ("bodies_report", "course_report"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),

@@ -1,9 +1,15 @@
 """Options of scripts: what --help says of each."""
 
+import ast
+from pathlib import Path
+
 import pytest
 
 import cadbem as cb
 from cadbem.script import ALWAYS, explained
+
+WORKFLOWS = sorted((Path(__file__).parents[1] / "workflows").glob("*.py"))
+LONGEST = 60  # lines of a workflow
 
 
 def main(
@@ -51,3 +57,19 @@ def test_explanations_end_where_the_text_goes_on():
     texts = explained("First line.\n\na: one,\n    two\nb, c: three\nNo more\n    of it")
     assert texts == {"a": "one, two", "b": "three", "c": "three"}
     assert explained("") == {}
+
+
+def main_of(path: Path) -> ast.FunctionDef:
+    """The function main of a script."""
+    body = ast.parse(path.read_text()).body
+    return next(f for f in body if isinstance(f, ast.FunctionDef) and f.name == "main")
+
+
+@pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.stem)
+def test_workflows_are_short_and_explain_their_options(path):
+    """Each option has an explanation, and no explanation lacks its option."""
+    assert len(path.read_text().splitlines()) <= LONGEST
+    function = main_of(path)
+    names = {argument.arg for argument in function.args.args}
+    texts = explained(ast.get_docstring(function) or "")
+    assert names == set(texts) | (names & ALWAYS.keys())

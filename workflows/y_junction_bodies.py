@@ -1,8 +1,7 @@
 """A droplet and, apart, a rigid particle carried through a Y-junction (thesis Fig. 4.9 to 4.11).
 
-Radius 1, branches 4 wide and high, mean velocity 3 in both inlets.  Fluid alone would let the
-particle come nearer to the outer corner than a hundredth of its radius, which these points do not
-resolve: a short-range pressure, strength × (1 - gap / 0.1)², keeps it off.
+Fluid alone would let the particle come nearer to the outer corner than a hundredth of its radius,
+which no such points resolve: a short-range pressure, strength × (1 - gap / 0.1)², keeps it off.
 """
 
 from functools import partial
@@ -10,23 +9,19 @@ from pathlib import Path
 
 import cadbem as cb
 from cadbem.verification.figures import junction_bodies as junction
-from cadbem.verification.figures.common import KEEP, Keep, Runs
+from cadbem.verification.figures.common import KEEP, Runs
 
 GEOMETRY = Path(__file__).parents[1] / "geometries" / "y_junction.step"
 START = (2.8284, 2.0, 2.0)  # 0.586 off the centreline, towards the outer wall
 
 
-def simulate(
-    kind: str, r: junction.Resolution, capillary: float, strength: float, tolerance: float,
-    end: float, keep: Keep = KEEP,
-) -> cb.History:  # fmt: skip
+def simulate(kind, r, capillary, strength, tolerance, end, keep=KEEP) -> cb.History:
     flow = junction.junction_flow(cb.read_cad(GEOMETRY), r)
-    body, contact = cb.rigid_sphere(1.0, START, spans=r.particle_spans), cb.StopAtGap(0.1)
+    body = cb.rigid_sphere(1.0, START, spans=r.particle_spans)
+    contact = cb.Repel(0.1, strength) if kind == "particle" and strength else cb.StopAtGap(0.1)
     if kind == "droplet":
         shape = cb.spline_sphere(centre=START, points=r.points)
         body = cb.Droplet(shape, cb.SurfaceTension(1 / capillary))
-    elif strength > 0:
-        contact = cb.Repel(0.1, strength)
     simulation = cb.Simulation(flow, body, stepper=cb.Adaptive(tolerance), contact=contact)
     return cb.record(keep(simulation, end, min(0.05, end)))
 
@@ -37,7 +32,7 @@ def main(
     tolerance: float = 1e-3, end: float = 2.0, parts: str = "droplet particle",
     resume: bool = False,
 ) -> Runs:  # fmt: skip
-    """Each body alone, with a state every 0.05.
+    """Bodies of radius 1, branches 4 wide and high, mean velocity 3 in both inlets.
 
     spans, levels: elements a direction on the channel's faces, cuts towards the outer corner
     points, particle_spans: on the droplet, and elements a direction on the particle's patches
@@ -48,18 +43,15 @@ def main(
     parts: 'droplet', 'particle'; 'table', both again on coarser and finer channels and bodies
     """
     folder = cb.run_folder(output, GEOMETRY, resume=resume)
-    resolution = junction.Resolution(spans, levels, points, particle_spans)
+    r = junction.Resolution(spans, levels, points, particle_spans)
     kinds = [kind for kind in ("droplet", "particle") if kind in parts]
-    case, runs = (capillary, strength, tolerance, end), {}
-    for kind in kinds:
-        keep = partial(folder.run, part=kind)
-        runs[kind, resolution] = simulate(kind, resolution, *case, keep)
-    for other in junction.finer(resolution) if "table" in parts else ():
+    case = capillary, strength, tolerance, end
+    runs = {(k, r): simulate(k, r, *case, partial(folder.run, part=k)) for k in kinds}
+    for other in junction.finer(r) if "table" in parts else ():
         runs |= {(kind, other): simulate(kind, other, *case) for kind in kinds}
-    junction.report(runs)
-    folder.summary(junction.last_distances(runs, resolution))
+    folder.summary(junction.report(runs, r))
     if folder and kinds:
-        junction.draw(folder, cb.read_cad(GEOMETRY), runs, resolution)
+        junction.draw(folder, cb.read_cad(GEOMETRY), runs, r)
         cb.render(folder)
     return runs
 

@@ -62,19 +62,14 @@ def junction_flow(channel: Boundary, resolution: Resolution) -> ChannelFlow:
     return ChannelFlow(StokesProblem(channel, 1.0, conditions, Quadrature(1e-6)))
 
 
-def last_distances(runs: dict[tuple, History], resolution: Resolution) -> dict[str, float]:
-    """How far from the centreline bodies of one resolution are at last."""
-    alone = {kind: run for (kind, r), run in runs.items() if r == resolution}
-    return {f"{k}, last distance": off_centre(run.track()[1])[-1] for k, run in alone.items()}
-
-
 def off_centre(centres: np.ndarray) -> np.ndarray:
     """Distance (N,) from the centreline: of branch A, or of the outlet."""
     x, y, _ = centres
     return np.where(x < CORNER[0] - 1, (x - y) / np.sqrt(2), AXIS - y)
 
 
-def report(runs: dict[tuple, History]) -> None:
+def report(runs: dict[tuple, History], resolution: Resolution) -> dict[str, float]:
+    """A table of all runs; how far from the centreline those of one resolution are at last."""
     rows = []
     for (kind, r), run in runs.items():
         _, centres = run.track()
@@ -95,6 +90,8 @@ def report(runs: dict[tuple, History]) -> None:
     print("distance from the centreline of the branch at some x; when the run ended")
     print(text_table(head, rows))
     report_stopped({kind: run for (kind, _), run in runs.items()})
+    alone = {kind: run for (kind, r), run in runs.items() if r == resolution}
+    return {f"{k}, last distance": off_centre(run.track()[1])[-1] for k, run in alone.items()}
 
 
 def draw(
