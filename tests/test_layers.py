@@ -10,7 +10,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
     {"errors", "progress", "command", "tables"},
-    {"compiled", "files", "units"},
+    {"compiled", "files", "units", "overviews"},
     {"spline", "quadrature", "kernels"},
     {"points", "refinement"},
     {"boundary", "closed_points"},

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.design.overview import network_overview
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.operators.compressed.storage import Storage
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
@@ -62,6 +63,12 @@ class Network:
     names: tuple[str, ...]
     conductance: Array
     problem: StokesProblem
+
+    def __repr__(self) -> str:
+        return network_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return network_overview(self).html()
 
     @property
     def asymmetry(self) -> float:

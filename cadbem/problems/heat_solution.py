@@ -13,6 +13,7 @@ from cadbem.points import surface_points
 from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_source import gradient_kernel, total_source
 from cadbem.problems.mixed import patches_named, represent
+from cadbem.problems.summary import heat_summary
 from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -27,6 +28,12 @@ class HeatSolution:
     problem: HeatEquations
     temperature: Field
     flux: Field
+
+    def __repr__(self) -> str:
+        return heat_summary(self).text()
+
+    def _repr_html_(self) -> str:
+        return heat_summary(self).html()
 
     @property
     def space(self) -> Space:

@@ -11,6 +11,7 @@ from cadbem.errors import ConditionError
 from cadbem.problems.conditions import Background, Condition
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.solution import StokesSolution
+from cadbem.problems.summary import problem_overview
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
@@ -33,6 +34,12 @@ class StokesProblem(StokesEquations):
     viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
     made for another unit of length than the boundary's.
     """
+
+    def __repr__(self) -> str:
+        return problem_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return problem_overview(self).html()
 
     def solve(self) -> StokesSolution:
         """Velocity and traction on the boundary, whence everything else follows.

@@ -15,6 +15,7 @@ from cadbem.errors import ResultsError
 from cadbem.files import told
 from cadbem.post.fields.frames import Frame
 from cadbem.results.encode import Rest, read_boundary, read_fields, read_rest, reading
+from cadbem.results.overview import stored_text
 from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
 from cadbem.spline.basis import Array
 
@@ -27,6 +28,8 @@ class StoredRun:
     folder: Path
     times: Array
     sizes: tuple[int, ...]
+
+    __repr__ = stored_text
 
     @cached_property
     def channel(self) -> Boundary | None:

@@ -18,6 +18,7 @@ from cadbem.quadrature.closed import SelfRule
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.body import NOTHING, Densities, Push
+from cadbem.suspension.bodies.overview import particle_text
 from cadbem.suspension.interface.laws import Jump
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion
@@ -47,6 +48,8 @@ class RigidParticle:
 
     def __post_init__(self) -> None:
         resistance(self.shape, self.quadrature)
+
+    __repr__ = particle_text
 
     @property
     def dimension(self) -> int:

@@ -16,6 +16,7 @@ from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.interface.volume import volume
 from cadbem.suspension.multibody.measures import area, taylor_deformation
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
+from cadbem.suspension.time.overview import history_overview
 from cadbem.suspension.time.state import State
 
 
@@ -66,6 +67,12 @@ class History:
 
     states: tuple[State, ...]
     seconds: float = 0.0
+
+    def __repr__(self) -> str:
+        return history_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return history_overview(self).html()
 
     @property
     def last(self) -> State:

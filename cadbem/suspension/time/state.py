@@ -24,6 +24,7 @@ from cadbem.suspension.multibody.measures import Measures, centre_velocity, meas
 from cadbem.suspension.multibody.multibody import MultibodySystem
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.overview import state_overview
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,6 +49,12 @@ class State:
     stopped: str = ""
     left: dict[int, str] = field(default_factory=dict)
     guess: tuple[Array, ...] = ()
+
+    def __repr__(self) -> str:
+        return state_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return state_overview(self).html()
 
     @property
     def flow(self) -> Surroundings:
