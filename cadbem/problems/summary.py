@@ -12,7 +12,7 @@ DRIVES = ("Inflow", "Pressure", "Traction")  # kinds of conditions of openings
 
 def problem_overview(problem: Any) -> Overview:
     """The boundary in brief, the material, and the condition of each name."""
-    rows = tuple((name, condition_text(condition)) for name, condition in problem.conditions.items())
+    rows = tuple((name, condition_text(c)) for name, c in problem.conditions.items())
     return Overview(_title(problem), _facts(problem), ("name", "condition"), rows)
 
 
