@@ -19,7 +19,8 @@ KINDS = {"str": str, "int": int, "float": float, "bool": bool}
 REFUSALS = {errno.ENOSPC, errno.EDQUOT, errno.EROFS, errno.EACCES, errno.EPERM}
 
 # "name: text" or "name, name: text" at the beginning of a line of a docstring
-EXPLANATION = re.compile(r"(?P<names>\w+(?:, \w+)*): +(?P<text>\S.*)")
+EXPLANATION = re.compile(r"[^\W\d]\w*(?:, \w+)*: +\S.*")
+NEXT = re.compile(r"; (?=[^\W\d]\w*(?:, \w+)*: )")
 ALWAYS = {
     "output": "folder that results go to, '' for none",
     "resume": "go on with the run in the folder",
@@ -63,21 +64,21 @@ def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
 
 
 def explained(docstring: str) -> dict[str, str]:
-    """What lines such as "width, height: of the channel (mm)" say of each name.
+    """What lines such as "width: of the channel (mm); wide, narrow: of its ends" say of each name.
 
-    An explanation goes on in lines that are indented, and serves all names before its colon.
+    Explanations go on in lines that are indented; one serves all names before its colon.
     """
-    texts: dict[str, str] = {}
-    names: list[str] = []
+    entries: list[str] = []
+    known = False
     for line in docstring.splitlines():
-        begins = EXPLANATION.fullmatch(line)
-        if begins:
-            names = begins["names"].split(", ")
-            texts |= dict.fromkeys(names, begins["text"])
-        elif names and line.startswith(" "):
-            texts |= {name: f"{texts[name]} {line.strip()}" for name in names}
-        else:
-            names = []
+        if known and line.startswith(" "):
+            entries[-1] += f" {line.strip()}"
+        elif known := bool(EXPLANATION.fullmatch(line)):
+            entries.append(line)
+    texts: dict[str, str] = {}
+    for entry in (part for line in entries for part in NEXT.split(line)):
+        names, text = entry.split(":", 1)
+        texts |= dict.fromkeys(names.split(", "), text.strip())
     return texts
 
 

@@ -44,3 +44,15 @@ def test_draw_run(run, tmp_path):
     assert pictures_in(tmp_path / "all") == names == {path.name for path in made}
     cb.draw_run(tmp_path / "some", run, ("filmstrip.png",), colour="mean curvature")
     assert pictures_in(tmp_path / "some") == {"filmstrip_mean_curvature.png"}
+
+
+def test_reports(run):
+    """Two bodies that move by the speed 1 of the fluid at their centres, for 0.4."""
+    lines = cb.bodies_report(run, cb.Units("mm")).splitlines()
+    assert lines[0].split("  ")[-1] == "fate" and "way (mm)" in lines[0]
+    assert len(lines) == 1 + len(run.numbers) + 1
+    way, speed = map(float, lines[1].split()[2:4])
+    assert way == pytest.approx(0.4, abs=0.02) and speed == pytest.approx(1.0, abs=0.05)
+    lines = cb.course_report(run).splitlines()
+    assert len(lines) == 1 + len(run.times) + 1
+    assert lines[1].split()[:2] == ["0.000", "-3.000"] and lines[1].split()[-1] == "-"

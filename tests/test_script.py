@@ -54,8 +54,11 @@ def test_help_explains_options(capsys):
 
 
 def test_explanations_end_where_the_text_goes_on():
-    texts = explained("First line.\n\na: one,\n    two\nb, c: three\nNo more\n    of it")
-    assert texts == {"a": "one, two", "b": "three", "c": "three"}
+    lines = "First line.", "", "a: one,", "    two; d: four", "b, c: three; 0: not more"
+    texts = explained("\n".join([*lines, "No more", "    of it"]))
+    assert texts == {
+        "a": "one, two", "d": "four", "b": "three; 0: not more", "c": "three; 0: not more"
+    }  # fmt: skip
     assert explained("") == {}
 
 

@@ -23,9 +23,9 @@ def main(
     """Syringe pumps at three openings; the outlet's tube ends in the open.
 
     viscosity: of the fluid, with any units, such as '3 cP'
-    main_rate, side_rate: into 'inlet' and into either side, with any units
-    bore, tube_length: of the tube at each opening, with any units
-    element_size, mesh_size: of the channel's elements, of cells in pictures of the flow (mm)
+    main_rate: into 'inlet', with any units; side_rate: into either side
+    bore: inner diameter of the tube at each opening; tube_length: its length, with any units
+    element_size: longest elements (mm); mesh_size: cells in pictures of the flow (mm)
     """
     folder = cb.run_folder(output, GEOMETRY)
     channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)

@@ -31,13 +31,13 @@ def main(
 ) -> cb.History:  # fmt: skip
     """A round droplet on the centreline.
 
-    radius, start: of the droplet, and x of its centre at first (mm)
+    radius: of the droplet (mm); start: x of its centre at first (mm)
     mean_velocity: at the inlet (mm/s)
-    viscosity, viscosity_ratio: of the outer fluid (Pa s), and inner over outer
+    viscosity: of the outer fluid (Pa s); viscosity_ratio: inner over outer viscosity
     tension: of the interface (mN/m)
-    element_size, points: longest elements of the channel (mm), points on the droplet
+    element_size: longest elements of the channel (mm); points: on the droplet
     tolerance: error of a time step, as a share of the droplet's size
-    end, every: of the run, and between states that are kept (s)
+    end: of the run (s); every: time between states that are kept (s)
     """
     folder = cb.run_folder(output, GEOMETRY, resume=resume)
     flow = empty_channel(element_size, viscosity, mean_velocity)

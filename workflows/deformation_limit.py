@@ -19,10 +19,10 @@ def main(
 ) -> dict[float, float]:  # fmt: skip
     """The Ca for each ratio, and the shear rate that a droplet of a size and tension bears.
 
-    limit, limits: of D; how many up to that one are drawn, for the first ratio
+    limit: of D; limits: how many up to that one are drawn, for the first ratio
     viscosity_ratios: λ, inner over outer viscosity
     viscosity: of the outer fluid, with any units
-    tension, radius: of the droplet, with any units
+    tension: of the interface, with any units; radius: of the droplet, with any units
     end: time up to which D counts, in units of 1 / rate
     points: on the droplet
     """

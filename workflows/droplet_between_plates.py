@@ -33,11 +33,11 @@ def main(
 ) -> Runs:  # fmt: skip
     """Droplets that are round at first, but for those of 'confinement' after the first.
 
-    capillary, viscosity_ratio: Ca, and λ = inner over outer viscosity
-    confinement, confinements: R / W of 'time' and 'resolution', and of 'confinement'
-    points, degree: of the droplet's spline
+    capillary: Ca = μ × rate × R / γ; viscosity_ratio: λ, inner over outer viscosity
+    confinement: R / W of 'time' and 'resolution'; confinements: R / W of 'confinement'
+    points: on the droplet; degree: of its spline
     tolerance: error of a time step, as a share of the droplet's size
-    end, settle: time τ of 'time', and of each run of 'confinement', in units of 1 / rate
+    end: time τ of 'time', in 1 / rate; settle: that of each run of 'confinement'
     parts: 'time', D(τ); 'confinement', the steady D; 'resolution', one thing changed at a time
     """
     folder, made = cb.run_folder(output, resume=resume), {}

@@ -19,7 +19,7 @@ def main(
 
     capillary: Ca = μ × rate × R / γ
     viscosity_ratio: λ, inner over outer viscosity
-    points, coarse: on the droplet, in the finer and in the coarser run
+    points: on the droplet in the finer run; coarse: in the coarser run
     tolerance: error of a time step, as a share of the droplet's size
     end: time τ, in units of 1 / rate
     """

@@ -31,7 +31,7 @@ def main(
 
     viscosity_ratio: λ, inner over outer viscosity
     points: on the droplet
-    step, highest: of Ca, which begins at 0.01
+    step: between values of Ca, which begin at 0.01; highest: the largest Ca
     tolerance: error of a time step, as a share of the droplet's size
     end: time τ within which a shape must become steady, in units of 1 / rate
     """

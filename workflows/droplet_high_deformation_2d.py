@@ -25,7 +25,7 @@ def main(
 ) -> dict[str, cb.History]:  # fmt: skip
     """The thesis's three runs, ours, and the truth: ours with many points of degree 6.
 
-    points, fine: few and many points on the droplet
+    points: few points on the droplet; fine: many points on the droplet
     capillary: Ca in the thesis's reading
     end: time τ, in units of 1 / rate
     """

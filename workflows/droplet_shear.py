@@ -27,8 +27,8 @@ def main(
 ) -> Runs:  # fmt: skip
     """Up to three parts, each with a report and pictures.
 
-    capillary, viscosity_ratio: Ca, and λ = inner over outer viscosity, in 'shape'
-    points, degree: of the droplet's spline
+    capillary: Ca in 'shape'; viscosity_ratio: λ, inner over outer viscosity, in 'shape'
+    points: on the droplet; degree: of its spline
     tolerance: error of a time step, as a share of the droplet's size
     end: time τ, in units of 1 / rate
     parts: 'shape', one droplet's D(τ) and final shape; 'volume', what is lost without correction

@@ -21,12 +21,12 @@ def main(
 ) -> list[cb.Fate]:  # fmt: skip
     """Every size from every start, 1.2 mm before the middle of the junction.
 
-    viscosity, tension: of the fluid, inside droplets too, and of interfaces, with any units
-    flow_rate, share: of what enters, with any units, and the share of it that leaves to the right
-    radii, starts: of the droplets, and how far off the axis they start, with any unit
-    element_size, points: longest elements of the channel (mm), points on each droplet
+    viscosity: of the fluid, inside droplets too; tension: of interfaces, both with any units
+    flow_rate: of what enters, with any units; share: what of it leaves to the right
+    radii: of the droplets, with a unit; starts: how far off the axis they start, with a unit
+    element_size: longest elements of the channel (mm); points: on each droplet
     tolerance: error of a time step, as a share of a droplet's size
-    every, end: between points of a path (s), and time limit of a droplet, with any unit
+    every: time between points of a path (s); end: time limit of a droplet, with any unit
     """
     folder = cb.run_folder(output, GEOMETRY)
     junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")

@@ -24,14 +24,14 @@ def main(
 ) -> cb.History:  # fmt: skip
     """Round droplets on the centreline, the first in front, the others behind it.
 
-    droplets, radius, points: how many there are, the radius (mm) and the points of each
-    front, distance: x of the first centre, and between centres (mm)
-    flow_rate, side_flow_rate: into 'inlet', and into each side (mm³/s = µL/s)
-    viscosity, viscosity_ratio: of the oil (Pa s), and of a droplet over that of the oil
+    droplets: how many there are; radius: of each (mm); points: on each
+    front: x of the first centre (mm); distance: between centres (mm)
+    flow_rate: into 'inlet' (mm³/s = µL/s); side_flow_rate: into each side (mm³/s)
+    viscosity: of the oil (Pa s); viscosity_ratio: of a droplet over that of the oil
     tension: of the interfaces (mN/m)
-    element_size, throat_size: longest elements of the channel, and in the throat (mm)
+    element_size: longest elements of the channel (mm); throat_size: in the throat (mm)
     tolerance: error of a time step, as a share of a droplet's size
-    end, every: of the run, and between states that are kept (s)
+    end: of the run (s); every: time between states that are kept (s)
     """
     folder = cb.run_folder(output, GEOMETRY, resume=resume)
     rates = {"inlet": flow_rate, "side_a": side_flow_rate, "side_b": side_flow_rate}

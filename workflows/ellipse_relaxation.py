@@ -22,7 +22,7 @@ def main(
 ) -> cb.History:  # fmt: skip
     """Ours, and the thesis's way, which has degree 2.
 
-    points, degree: of the ellipse's spline
+    points: on the ellipse; degree: of its spline
     tolerance: error of a time step, as a share of the ellipse's size
     capillary: Ca in the thesis's reading
     viscosity_ratio: λ, inner over outer viscosity

@@ -19,8 +19,8 @@ def main(
 ) -> list[cb.OperatingPoint]:  # fmt: skip
     """Both arms end at pressure 0, one of them behind a tube.
 
-    viscosity, flow_rate: of the fluid, and of what enters, with any units
-    bore, longest: inner diameter of the tube, and its greatest length, with any units
+    viscosity: of the fluid, with any units; flow_rate: of what enters, with any units
+    bore: inner diameter of the tube, with any units; longest: its greatest length
     steps: how many lengths there are, from 0 on
     element_size: longest elements of the channel (mm)
     """

@@ -1,7 +1,6 @@
 """Droplets and rigid particles together in a serpentine channel that is read from a STEP file.
 
-They start in the first leg, off its centreline in the mid-plane z = 0, and go in viscous silicone
-oil through the first U-turn; --end 20 goes on until the last has left at 'outlet'.
+They start in the mid-plane z = 0 and go through the first U-turn; --end 20 lets all of them leave.
 """
 
 from pathlib import Path
@@ -10,8 +9,7 @@ import cadbem as cb
 from cadbem.suspension.time.history import plane_angle
 
 GEOMETRY = Path(__file__).parents[1] / "geometries" / "serpentine.step"
-# numbered from the front of the row; the slowest, nearest to a wall, come last (mm)
-STARTS = [(3.2, 0.12, 0.0), (2.5, -0.12, 0.0), (1.8, 0.18, 0.0), (1.1, -0.2, 0.0)]
+STARTS = [(3.2, 0.12, 0.0), (2.5, -0.12, 0.0), (1.8, 0.18, 0.0), (1.1, -0.2, 0.0)]  # mm
 
 
 def main(
@@ -23,14 +21,14 @@ def main(
 ) -> cb.History:  # fmt: skip
     """Droplets 1 and 2, the sphere 3, and the ellipsoid of revolution 4, twice as long as wide.
 
-    droplet_radius, sphere_radius, ellipsoid_length: sizes of the bodies (mm)
-    mean_velocity: at the inlet (mm/s)
-    viscosity, viscosity_ratio: of the fluid (Pa s), and of a droplet over that of the fluid
+    droplet_radius: of both (mm); sphere_radius: of the sphere (mm)
+    ellipsoid_length: of its long axis (mm); mean_velocity: at the inlet (mm/s)
+    viscosity: of the fluid (Pa s); viscosity_ratio: of a droplet over that of the fluid
     tension: of the droplets' interfaces (mN/m)
-    element_size, points, particle_spans: longest elements of the channel (mm), points on each
-        droplet, elements a direction on each of a particle's six patches
+    element_size: longest elements of the channel (mm); points: on each droplet
+    particle_spans: elements a direction on each of a particle's six patches
     tolerance: error of a time step, as a share of a body's size
-    end, every: of the run, and between states that are kept (s)
+    end: of the run (s); every: time between states that are kept (s)
     """
     folder = cb.run_folder(output, GEOMETRY, resume=resume)
     channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
@@ -47,9 +45,11 @@ def main(
     simulation = cb.Simulation(flow, bodies, stepper=cb.Adaptive(tolerance))
     run = cb.record(folder.run(simulation, end, every))
     print(cb.bodies_report(run, cb.Units("mm")))
-    turn, bend = plane_angle(run.turn(4)[:, 0], period=180.0), run.course(4).heading
-    turned, bent = turn[-1] - turn[0], bend[-1] - bend[0]
-    print(f"the ellipsoid has turned by {turned:.0f} degrees, its path by {bent:.0f}")
+    angles = plane_angle(run.turn(4)[:, 0], period=180.0), run.course(4).heading
+    turned, bent = (angle[-1] - angle[0] for angle in angles)
+    off = max(abs(run.track(number)[1][2]).max() for number in run.numbers)
+    print(f"the ellipsoid has turned by {turned:.0f} degrees, its path by {bent:.0f}; "
+          f"largest |z| {off:.1e}")  # fmt: skip
     largest = max(run.course(number).deformation.max() for number in (1, 2))
     folder.summary({"largest D": largest, "turn of the ellipsoid (degrees)": turned})
     cb.draw_run(folder, run, units=cb.Units("mm"))

@@ -20,9 +20,9 @@ def main(
 ) -> cb.StokesSolution:  # fmt: skip
     """The exact profile enters; at the outlet the flow leaves straight at pressure zero.
 
-    spans, along: elements across, and along the channel, 0 for somewhat more than twice as many
+    spans: elements across; along: elements along the channel, 0 for 17 / 7 as many
     degree: of the patches
-    levels, ratio: how often elements at the four long edges are cut, at ratio, ratio², ...
+    levels: how often elements at the long edges are cut; ratio: cuts are at ratio, ratio², ...
     tolerance: of the integrals
     mesh_size: of the cells on which pictures of the flow are drawn, in widths
     """

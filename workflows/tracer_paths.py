@@ -23,9 +23,9 @@ def main(
     """Elements are finer towards the two edges that the flow goes around.
 
     viscosity: of the fluid, with any units
-    main_rate, side_rate: of the two streams, with any units
-    element_size, levels: longest elements (mm), and cuts of those at the two edges
-    tracers, paths: from either inlet, to be followed and to be drawn
+    main_rate: into 'inlet_a', with any units; side_rate: into 'inlet_b', with any units
+    element_size: longest elements (mm); levels: cuts of those at the two edges
+    tracers: from either inlet; paths: from either inlet to be drawn
     """
     folder = cb.run_folder(output, GEOMETRY)
     channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)

@@ -32,7 +32,7 @@ def main(
 ) -> Runs:  # fmt: skip
     """Up to three parts.
 
-    capillary, viscosity_ratio: Ca in the thesis's reading, and λ = inner over outer viscosity
+    capillary: Ca in the thesis's reading; viscosity_ratio: λ, inner over outer viscosity
     half_width: W, in radii
     points: on each droplet
     tolerance: error of a time step, as a share of a droplet's size

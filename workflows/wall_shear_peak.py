@@ -19,7 +19,7 @@ def main(
 ) -> list[cb.WallShear]:  # fmt: skip
     """Each grid is 1.4 times as fine as the one before.
 
-    viscosity, flow_rate: of the fluid, and of what enters, with any units
+    viscosity: of the fluid, with any units; flow_rate: of what enters, with any units
     element_size: of the finest grid (mm)
     grids: how many there are
     """

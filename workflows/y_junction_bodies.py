@@ -34,8 +34,8 @@ def main(
 ) -> Runs:  # fmt: skip
     """Bodies of radius 1, branches 4 wide and high, mean velocity 3 in both inlets.
 
-    spans, levels: elements a direction on the channel's faces, cuts towards the outer corner
-    points, particle_spans: on the droplet, and elements a direction on the particle's patches
+    spans: elements a direction on the channel's faces; levels: cuts towards the outer corner
+    points: on the droplet; particle_spans: elements a direction on the particle's patches
     capillary: Ca = μ / γ
     strength: of the pressure that keeps the particle off the walls; 0: the run ends there
     tolerance: error of a time step, as a share of the body's size

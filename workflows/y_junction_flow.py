@@ -17,7 +17,7 @@ def main(
 ) -> cb.StokesSolution:  # fmt: skip
     """Branches are 4 wide and high, the mean velocity is 3 in both inlets, the viscosity 1.
 
-    spans, degree: elements a direction on each face, and their degree
+    spans: elements a direction on each face; degree: of their functions
     mesh_size: of the cells on which pictures of the flow are drawn
     """
     folder = cb.run_folder(output, GEOMETRY)

@@ -73,7 +73,7 @@ def _body_row(run: History, number: int) -> list[str]:
     else:
         kind, shape = "particle", ["-", "-", "-"]
     gaps = [(gap, s.time) for s in run.states for gap in s.gaps if gap.body == number]
-    place = ", ".join(f"{x:.2f}" for x in centres[:, -1])
+    place = ", ".join(f"{x:.2f}" for x in centres[:, -1].round(2) + 0.0)
     fate = run.last.left.get(number, f"at ({place}) at time {times[-1]:g}")
     speed = way / times[-1] if times[-1] else 0.0
     return [f"{number} {kind}", f"{way:.2f}", f"{speed:.2f}", *shape, _narrowest(gaps), fate]
