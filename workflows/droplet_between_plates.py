@@ -37,7 +37,7 @@ def main(
     confinement: R / W of 'time' and 'resolution'; confinements: R / W of 'confinement'
     points: on the droplet; degree: of its spline
     tolerance: error of a time step, as a share of the droplet's size
-    end: time τ of 'time', in 1 / rate; settle: that of each run of 'confinement'
+    end: time τ of 'time', in 1 / rate; settle: time τ of each run of 'confinement'
     parts: 'time', D(τ); 'confinement', the steady D; 'resolution', one thing changed at a time
     """
     folder, made = cb.run_folder(output, resume=resume), {}

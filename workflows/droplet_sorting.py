@@ -21,8 +21,8 @@ def main(
 ) -> list[cb.Fate]:  # fmt: skip
     """Every size from every start, 1.2 mm before the middle of the junction.
 
-    viscosity: of the fluid, inside droplets too; tension: of interfaces, both with any units
-    flow_rate: of what enters, with any units; share: what of it leaves to the right
+    viscosity: of all fluid, with any units; tension: of interfaces, with any units
+    flow_rate: of what enters, with any units; share: of the flow, to the right
     radii: of the droplets, with a unit; starts: how far off the axis they start, with a unit
     element_size: longest elements of the channel (mm); points: on each droplet
     tolerance: error of a time step, as a share of a droplet's size

@@ -24,12 +24,12 @@ def main(
 ) -> cb.History:  # fmt: skip
     """Round droplets on the centreline, the first in front, the others behind it.
 
-    droplets: how many there are; radius: of each (mm); points: on each
+    droplets: how many; radius: of each droplet (mm); points: on each droplet
     front: x of the first centre (mm); distance: between centres (mm)
     flow_rate: into 'inlet' (mm³/s = µL/s); side_flow_rate: into each side (mm³/s)
-    viscosity: of the oil (Pa s); viscosity_ratio: of a droplet over that of the oil
+    viscosity: of the oil (Pa s); viscosity_ratio: of droplets over that of the oil
     tension: of the interfaces (mN/m)
-    element_size: longest elements of the channel (mm); throat_size: in the throat (mm)
+    element_size: longest elements of the channel (mm); throat_size: those in the throat (mm)
     tolerance: error of a time step, as a share of a droplet's size
     end: of the run (s); every: time between states that are kept (s)
     """

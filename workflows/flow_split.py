@@ -20,7 +20,7 @@ def main(
     """Both arms end at pressure 0, one of them behind a tube.
 
     viscosity: of the fluid, with any units; flow_rate: of what enters, with any units
-    bore: inner diameter of the tube, with any units; longest: its greatest length
+    bore: inner diameter of the tube, with any units; longest: greatest length of the tube
     steps: how many lengths there are, from 0 on
     element_size: longest elements of the channel (mm)
     """

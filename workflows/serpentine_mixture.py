@@ -21,9 +21,9 @@ def main(
 ) -> cb.History:  # fmt: skip
     """Droplets 1 and 2, the sphere 3, and the ellipsoid of revolution 4, twice as long as wide.
 
-    droplet_radius: of both (mm); sphere_radius: of the sphere (mm)
-    ellipsoid_length: of its long axis (mm); mean_velocity: at the inlet (mm/s)
-    viscosity: of the fluid (Pa s); viscosity_ratio: of a droplet over that of the fluid
+    droplet_radius: of both droplets (mm); sphere_radius: of the sphere (mm)
+    ellipsoid_length: its long axis (mm); mean_velocity: at the inlet (mm/s)
+    viscosity: of the fluid (Pa s); viscosity_ratio: of droplets over that of the fluid
     tension: of the droplets' interfaces (mN/m)
     element_size: longest elements of the channel (mm); points: on each droplet
     particle_spans: elements a direction on each of a particle's six patches
