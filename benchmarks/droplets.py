@@ -19,8 +19,10 @@ import cadbem as cb  # noqa: E402
 from benchmarks.table import Table, show  # noqa: E402
 from cadbem.kernels.stokes_sums import stokes_sums  # noqa: E402
 from cadbem.operators.closed.layers import ClosedLayers, closed_operator  # noqa: E402
+from cadbem.quadrature.closed import PolarRule  # noqa: E402
 from cadbem.suspension.bodies.droplet import PlacedDroplet  # noqa: E402
 from cadbem.suspension.multibody.multibody import velocity_responses  # noqa: E402
+from cadbem.suspension.time.thesis_methods import thesis_methods  # noqa: E402
 
 REPEATS, ROUNDS = 5, 7
 POINTS, RATIOS = (200, 800), (1.0, 0.1, 10.0)
@@ -49,7 +51,7 @@ def floor(targets: int, sources: int, passes: int) -> Callable[[], None]:
 
 def velocity_row(points: int, ratio: float) -> tuple[str, ...]:
     shape = cb.spline_ellipsoid((1.6, 1.0, 0.7), points=points)
-    operator = closed_operator(shape.basis, cb.PolarRule())
+    operator = closed_operator(shape.basis, PolarRule())
     drop, flow = cb.Droplet(shape, cb.SurfaceTension(1.0), ratio), cb.FreeFlow(cb.shear())
 
     def velocity() -> int:
@@ -77,7 +79,7 @@ def step_row(points: int, ratio: float) -> tuple[str, ...]:
     for degree, options in (
         (4, {"stepper": euler}),
         (4, {"stepper": euler, "mesh": cb.RelaxMesh()}),
-        (2, cb.thesis_methods(1e-3)),
+        (2, thesis_methods(1e-3)),
     ):
         shape = cb.spline_ellipsoid((1.3, 1.0, 0.8), points=points, degree=degree)
         run = cb.Simulation(flow, cb.Droplet(shape, tension, ratio), **options).run(1.0)

@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from cadbem.design.network import hydraulic_network as hydraulic_network
     from cadbem.design.network import network_of as network_of
     from cadbem.design.network import tube_resistance as tube_resistance
-    from cadbem.design.release_points import Starts as Starts
-    from cadbem.design.release_points import inlet_starts as inlet_starts
+    from cadbem.design.release_points import ReleasePoints as ReleasePoints
+    from cadbem.design.release_points import inlet_points as inlet_points
     from cadbem.design.residence import residence_report as residence_report
     from cadbem.design.run_report import bodies_report as bodies_report
     from cadbem.design.run_report import course_report as course_report
@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
     from cadbem.design.wall_shear import wall_shear as wall_shear
+    from cadbem.errors import AccuracyWarning as AccuracyWarning
     from cadbem.errors import CadbemError as CadbemError
     from cadbem.errors import CadError as CadError
     from cadbem.errors import CadWarning as CadWarning
@@ -88,8 +89,6 @@ if TYPE_CHECKING:
     from cadbem.problems.heat_solution import HeatSolution as HeatSolution
     from cadbem.problems.solution import StokesSolution as StokesSolution
     from cadbem.problems.stokes import StokesProblem as StokesProblem
-    from cadbem.quadrature.closed import PolarRule as PolarRule
-    from cadbem.quadrature.closed import SingularitySubtraction as SingularitySubtraction
     from cadbem.quadrature.options import Quadrature as Quadrature
     from cadbem.results import RunFolder as RunFolder
     from cadbem.results import StoredRun as StoredRun
@@ -100,7 +99,6 @@ if TYPE_CHECKING:
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
-    from cadbem.spline.closed import ClosedBasis as ClosedBasis
     from cadbem.spline.closed import ClosedSpline as ClosedSpline
     from cadbem.spline.closed import closed_spline as closed_spline
     from cadbem.spline.closed_shapes import spline_circle as spline_circle
@@ -113,7 +111,6 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import plate as plate
     from cadbem.spline.shapes import sphere as sphere
     from cadbem.spline.shapes import sphere_octants as sphere_octants
-    from cadbem.spline.shapes import sphere_with_poles as sphere_with_poles
     from cadbem.suspension.bodies.droplet import Droplet as Droplet
     from cadbem.suspension.bodies.particle import RigidParticle as RigidParticle
     from cadbem.suspension.bodies.rigid_shapes import rigid_ellipsoid as rigid_ellipsoid
@@ -121,7 +118,6 @@ if TYPE_CHECKING:
     from cadbem.suspension.interface.laws import Bending as Bending
     from cadbem.suspension.interface.laws import SurfaceTension as SurfaceTension
     from cadbem.suspension.interface.laws import capillary_tension as capillary_tension
-    from cadbem.suspension.interface.laws import thesis_tension_2d as thesis_tension_2d
     from cadbem.suspension.interface.membrane import InextensibleMembrane as InextensibleMembrane
     from cadbem.suspension.interface.mesh import RelaxMesh as RelaxMesh
     from cadbem.suspension.interface.motion import affine_velocity as affine_velocity
@@ -131,7 +127,6 @@ if TYPE_CHECKING:
     from cadbem.suspension.multibody.contact import Repel as Repel
     from cadbem.suspension.multibody.contact import StopAtGap as StopAtGap
     from cadbem.suspension.multibody.measures import inclination as inclination
-    from cadbem.suspension.multibody.measures import measure as measure
     from cadbem.suspension.multibody.measures import taylor_deformation as taylor_deformation
     from cadbem.suspension.surroundings.channel_flow import ChannelFlow as ChannelFlow
     from cadbem.suspension.surroundings.flows import UserFlow as UserFlow
@@ -150,7 +145,6 @@ if TYPE_CHECKING:
     from cadbem.suspension.time.state import State as State
     from cadbem.suspension.time.stepping import Adaptive as Adaptive
     from cadbem.suspension.time.stepping import Euler as Euler
-    from cadbem.suspension.time.thesis_methods import thesis_methods as thesis_methods
     from cadbem.tables import text_table as text_table
     from cadbem.units import Numbers as Numbers
     from cadbem.units import Quantity as Quantity
@@ -167,16 +161,17 @@ _NAMES = {
     "design.network": (
         "Network", "OperatingPoint", "hydraulic_network", "network_of", "tube_resistance",
     ),  # fmt: skip
-    "design.release_points": ("Starts", "inlet_starts"),
+    "design.release_points": ("ReleasePoints", "inlet_points"),
     "design.residence": ("residence_report",),
     "design.run_report": ("bodies_report", "course_report"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
-        "CadError", "CadWarning", "CadbemError", "ConditionError", "DisplayError",
-        "ResultsError", "SelectionError", "ShapeError", "UnitsError",
+        "AccuracyWarning", "CadError", "CadWarning", "CadbemError", "ConditionError",
+        "DisplayError", "ResultsError", "SelectionError", "ShapeError", "UnitsError",
     ),  # fmt: skip
     "extension": ("extended",),
+    "operators.compressed.storage": ("Compressed", "Dense"),
     "operators.far.equivalent": ("FarField",),
     "post": (
         "Frame", "bezier_grid", "draw_around", "draw_boundary", "draw_collocation",
@@ -199,36 +194,30 @@ _NAMES = {
     "problems.heat_solution": ("HeatSolution",),
     "problems.solution": ("StokesSolution",),
     "problems.stokes": ("StokesProblem",),
-    "quadrature.closed": ("PolarRule", "SingularitySubtraction"),
-    "operators.compressed.storage": ("Compressed", "Dense"),
     "quadrature.options": ("Quadrature",),
     "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
     "script": ("run",),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
-    "spline.closed": (
-        "ClosedBasis",
-        "ClosedSpline",
-        "closed_spline",
-    ),
+    "spline.closed": ("ClosedSpline", "closed_spline"),
     "spline.closed_shapes": (
         "spline_circle",
         "spline_ellipse",
         "spline_ellipsoid",
         "spline_sphere",
     ),
-    "spline.shapes": (
-        "box",
-        "cylinder",
-        "ellipsoid",
-        "plate",
-        "sphere",
-        "sphere_octants",
-        "sphere_with_poles",
-    ),
-    "suspension.surroundings.channel_flow": ("ChannelFlow",),
-    "suspension.multibody.contact": ("Repel", "StopAtGap"),
+    "spline.shapes": ("box", "cylinder", "ellipsoid", "plate", "sphere", "sphere_octants"),
     "suspension.bodies.droplet": ("Droplet",),
+    "suspension.bodies.particle": ("RigidParticle",),
+    "suspension.bodies.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
+    "suspension.interface.laws": ("Bending", "SurfaceTension", "capillary_tension"),
+    "suspension.interface.membrane": ("InextensibleMembrane",),
+    "suspension.interface.mesh": ("RelaxMesh",),
+    "suspension.interface.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
+    "suspension.interface.volume": ("CorrectVolume",),
+    "suspension.multibody.contact": ("Repel", "StopAtGap"),
+    "suspension.multibody.measures": ("inclination", "taylor_deformation"),
+    "suspension.surroundings.channel_flow": ("ChannelFlow",),
     "suspension.surroundings.flows": (
         "UserFlow",
         "at_rest",
@@ -241,23 +230,9 @@ _NAMES = {
     ),
     "suspension.surroundings.free_flow": ("FreeFlow",),
     "suspension.time.history": ("Course", "History", "record"),
-    "suspension.interface.laws": (
-        "Bending",
-        "SurfaceTension",
-        "capillary_tension",
-        "thesis_tension_2d",
-    ),
-    "suspension.multibody.measures": ("inclination", "measure", "taylor_deformation"),
-    "suspension.interface.membrane": ("InextensibleMembrane",),
-    "suspension.interface.mesh": ("RelaxMesh",),
-    "suspension.bodies.particle": ("RigidParticle",),
-    "suspension.bodies.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
-    "suspension.interface.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
     "suspension.time.simulation": ("Simulation",),
     "suspension.time.state": ("State",),
     "suspension.time.stepping": ("Adaptive", "Euler"),
-    "suspension.time.thesis_methods": ("thesis_methods",),
-    "suspension.interface.volume": ("CorrectVolume",),
     "tables": ("text_table",),
     "units": ("Numbers", "Quantity", "Units", "numbers"),
 }

@@ -1,4 +1,4 @@
-"""Named, oriented NURBS patches: the boundary of a body of fluid."""
+"""The boundary of a body of fluid: NURBS patches with names and normals into the fluid."""
 
 from __future__ import annotations
 
@@ -73,7 +73,7 @@ class Boundary:
         """Give names to patches; those not selected keep theirs, or become ``rest``.
 
         A selector is an existing name, a CAD face number or several, a point on the face, or a
-        predicate ``f(position, normal) -> bool`` that is asked in the middle of each patch.
+        predicate ``f(position, normal) -> bool`` that is evaluated in the middle of each patch.
         Raises ``SelectionError`` when one selects nothing, or two select the same face.
         """
         chosen: dict[int, str] = {}
@@ -137,7 +137,7 @@ class Boundary:
         return hits
 
     def label(self, index: int) -> str:
-        """What to call a patch in a message: CAD face, name, middle."""
+        """Label of a patch for messages: CAD face, name, middle."""
         patch = self.patches[index]
         middle = np.array2string(patch.middle().position[:, 0], precision=4, separator=", ")
         number = f"face {patch.face}" if patch.face else f"patch {index}"
@@ -200,7 +200,7 @@ class Boundary:
         The element at an edge is cut at ``ratio``, ratio², ... of its width, ``levels`` times, or
         until the one at the edge is no longer than ``size`` (then at a somewhat larger ratio, so
         that it is just as long).
-        ``toward(position, inward) -> bool`` is asked in the middle of each edge, with the
+        ``toward(position, inward) -> bool`` is evaluated in the middle of each edge, with the
         direction from there into the patch; without it all edges are graded.
         """
         if not 0 < ratio < 1:

@@ -1,4 +1,4 @@
-"""The command that a process is carrying out, for those who keep a record of it."""
+"""The command that this process carries out; the manifest of a run records it."""
 
 from __future__ import annotations
 

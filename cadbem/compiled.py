@@ -1,4 +1,4 @@
-"""Machine code of Python functions, kept on disk until one of the files that it came from changes.
+"""Compiled functions, whose machine code is kept on disk until one of their source files changes.
 
 numba's own cache looks at the file of the function alone and so misses an edit of a function that
 another file calls.  Here the code is kept under a stamp of all files of the package that name this
@@ -22,7 +22,7 @@ from numba.core.caching import FunctionCache, IndexDataCacheFile
 from cadbem.progress import notice
 
 MARK = b"cadbem.compiled"
-PATIENCE = 2.0  # seconds of compiling after which a user is told
+PATIENCE = 2.0  # seconds of compiling after which a notice is shown
 
 
 def compiled(function: Callable | None = None, /, **options: Any) -> Any:
@@ -43,11 +43,11 @@ def compiled(function: Callable | None = None, /, **options: Any) -> Any:
 @contextmanager
 def quietly() -> Iterator[None]:
     """Within it, nothing is said about compiling."""
-    _Cache.watch.told, before = True, _Cache.watch.told
+    _Cache.watch.notified, before = True, _Cache.watch.notified
     try:
         yield
     finally:
-        _Cache.watch.told = before
+        _Cache.watch.notified = before
 
 
 class _Watch:
@@ -57,15 +57,15 @@ class _Watch:
     """
 
     def __init__(self) -> None:
-        self.told, self.depth, self.since, self.spent = False, 0, 0.0, 0.0
+        self.notified, self.depth, self.since, self.spent = False, 0, 0.0, 0.0
 
     def start(self) -> None:
         """A function is about to be compiled."""
         now = time.monotonic()
         self.since = self.since if self.depth else now
         self.depth += 1
-        if not self.told and self.spent + now - self.since > PATIENCE:
-            self.told = True
+        if not self.notified and self.spent + now - self.since > PATIENCE:
+            self.notified = True
             text = "compiling, which is kept for later runs; `cadbem warmup` does it beforehand"
             notice(text)
 

@@ -1,4 +1,4 @@
-"""Errors that a user can mend: one line each, naming the culprit and the remedy."""
+"""Errors that a user can correct: one line each, which names the cause and the remedy."""
 
 
 class CadbemError(Exception):
@@ -10,7 +10,11 @@ class CadError(CadbemError):
 
 
 class CadWarning(UserWarning):
-    """A CAD file can be read, but something in it is unusual, was assumed or was mended."""
+    """A CAD file can be read, but something in it is unusual, was assumed or was repaired."""
+
+
+class AccuracyWarning(UserWarning):
+    """A result may be further off than was asked for, or than is sensible."""
 
 
 class SelectionError(CadbemError):
@@ -26,7 +30,7 @@ class DisplayError(CadbemError):
 
 
 class ShapeError(CadbemError):
-    """A droplet's or particle's shape, or what became of it."""
+    """The shape of a droplet or particle is not valid, or has become so during a run."""
 
 
 class SolverError(CadbemError):
@@ -34,8 +38,8 @@ class SolverError(CadbemError):
 
 
 class ResultsError(CadbemError):
-    """A run's folder cannot be written, read or gone on with."""
+    """The folder of a run cannot be written or read, or the run in it cannot be continued."""
 
 
 class UnitsError(CadbemError):
-    """A quantity is not understood, has another dimension than is asked for, or another unit."""
+    """A quantity cannot be read, or has another dimension or unit than is required."""

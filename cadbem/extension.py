@@ -1,4 +1,4 @@
-"""Channels made longer at a flat opening."""
+"""Channels that are lengthened by a straight piece at a flat opening."""
 
 from __future__ import annotations
 

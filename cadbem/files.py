@@ -1,4 +1,4 @@
-"""Files that are whole at any moment, whatever happens to the process that writes them."""
+"""Files that are complete at any moment, even if the process that writes them is interrupted."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def write_whole(path: Path, content: bytes) -> None:
     Raises ``ResultsError`` for a full disk or a folder that cannot be written to.
     """
     beside = path.with_name(f".{path.name}.new")
-    with told(path):
+    with as_results_error(path):
         try:
             with beside.open("wb") as file:
                 file.write(content)
@@ -51,7 +51,7 @@ def write_at(path: Path, position: int, content: bytes) -> int:
 
     Raises ``ResultsError`` as ``write_whole`` does, and where the file is too short.
     """
-    with told(path), path.open("r+b" if path.exists() else "w+b") as file:
+    with as_results_error(path), path.open("r+b" if path.exists() else "w+b") as file:
         if file.seek(0, os.SEEK_END) < position:
             raise ResultsError(f"{path} has been shortened since: the run cannot go on with it")
         file.seek(position)
@@ -83,7 +83,7 @@ def fresh_folder(path: Path, mark: str) -> Path:
     Hidden files are what a process that was killed at its very beginning leaves.  Raises
     ``ResultsError`` when there is anything else, and when the folder cannot be made.
     """
-    with told(path):
+    with as_results_error(path):
         if path.is_dir():
             taken = any(not file.name.startswith(".") for file in path.iterdir())
         else:
@@ -113,13 +113,13 @@ def csv_lines(
 
 def make_folder(path: Path) -> Path:
     """The folder, made with those above it.  Raises ``ResultsError`` when it cannot be made."""
-    with told(path):
+    with as_results_error(path):
         path.mkdir(parents=True, exist_ok=True)
     return path
 
 
 @contextmanager
-def told(path: Path) -> Iterator[None]:
+def as_results_error(path: Path) -> Iterator[None]:
     """Say what the system refused as a ``ResultsError``, with the remedy."""
     try:
         yield
@@ -138,7 +138,7 @@ def locked(folder: Path) -> Iterator[None]:
     Raises ``ResultsError`` when another one holds it.
     """
     lock = FileLock(folder / LOCK)
-    with told(folder / LOCK):
+    with as_results_error(folder / LOCK):
         try:
             lock.acquire(timeout=0)
         except Timeout as error:

@@ -1,4 +1,4 @@
-"""Points of a boundary with what kernels and interface laws need there, by field name."""
+"""Points of a boundary with normals, Jacobians and tangents, by field name."""
 
 from __future__ import annotations
 

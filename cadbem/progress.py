@@ -1,4 +1,4 @@
-"""What a user is told while something lasts: bars with the remaining time, stages with theirs."""
+"""Messages during long computations: bars with the remaining time, and the times of stages."""
 
 from __future__ import annotations
 
@@ -34,13 +34,13 @@ def notice(text: str) -> None:
 
 
 def verbose() -> bool:
-    """Whether the user asked for stages and tracebacks."""
+    """Whether the user wants stages and tracebacks."""
     return STAGES.isEnabledFor(logging.INFO)
 
 
 @contextmanager
 def stage(label: str) -> Iterator[None]:
-    """Log how long something took, for those who want to know (``cadbem run --verbose``)."""
+    """Log the time of a stage of the computation (``cadbem run --verbose``)."""
     wall, cpu = time.perf_counter(), time.process_time()
     yield
     wall, cpu = time.perf_counter() - wall, time.process_time() - cpu

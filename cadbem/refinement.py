@@ -1,4 +1,4 @@
-"""Where knots go: rules that say for a curve or surface which ones to insert."""
+"""Refinement rules, which choose the knots to insert in a curve or surface."""
 
 from __future__ import annotations
 

@@ -31,9 +31,9 @@ def run(main: Callable[..., Any], arguments: list[str] | None = None) -> Any:
     """Call ``main`` with its defaults, changed by options of the command line.
 
     The type of a default is the type of its option; without one, or where it is None, the
-    annotation tells (text, a number or a truth value), and an option without a default must be
-    given.  ``output`` also answers to -o.  The text at the top of main's module is the help text,
-    and lines such as ``radius: of the droplet (mm)`` in main's docstring explain the options.
+    annotation decides (text, a number or a truth value), and an option without a default must be
+    given.  ``output`` may be given as -o, too.  The text at the top of main's module is the help
+    text, and lines such as ``radius: of the droplet (mm)`` in main's docstring explain the options.
     Mistakes in the input end the process with one line and exit code 2, Ctrl-C with 130.
     """
     parser = _Parser(
@@ -123,7 +123,7 @@ def _kind(parameter: inspect.Parameter) -> Any:
 
 
 def _remedy(values: Mapping[str, Any]) -> str:
-    """How an interrupted run can go on, if it can."""
+    """The command that continues an interrupted run, if there is one."""
     output = values.get("output")
     if "resume" in values and output and Path(output, "run.json").exists():
         return f"; go on with 'cadbem resume {output}'"
@@ -131,7 +131,7 @@ def _remedy(values: Mapping[str, Any]) -> str:
 
 
 class _Parser(argparse.ArgumentParser):
-    """An unknown option is a mistake in the input, told in one line."""
+    """An unknown option is a mistake in the input, reported in one line."""
 
     def error(self, message: str) -> NoReturn:
         raise CadbemError(f"{self.prog}: {message}; --help lists the options")

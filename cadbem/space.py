@@ -18,7 +18,7 @@ from scipy.sparse.linalg import splu
 from cadbem.boundary import Boundary
 from cadbem.overviews import field_text, space_text
 from cadbem.points import SurfacePoints, area_vector, dual_tangents, join, surface_points
-from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
+from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit, tensor_rule
 from cadbem.spline.basis import Array, basis_functions, greville
 from cadbem.spline.nurbs import Nurbs
 
@@ -73,6 +73,21 @@ class Space:
             part = self.functions(i)
             factors = splu(self.collocation_matrix(i).tocsc())
             result[:, part] = factors.solve(np.ascontiguousarray(values[:, part].T)).T
+        return result
+
+    @cached_property
+    def weights(self) -> Array:
+        """What a value at each collocation point counts in an integral over the boundary: (N,).
+
+        Σ w v = ∫ v dS for every v of the space.
+        """
+        result = np.empty(self.count)
+        for i, patch in enumerate(self.boundary.patches):
+            order = max(patch.surface.degrees) + 8
+            basis = rational_basis(patch.surface, _element_parameters(patch.surface, order))
+            _, weights = patch.quadrature(order)
+            factors = splu(self.collocation_matrix(i).tocsc())
+            result[self.functions(i)] = factors.solve(basis.T @ weights, trans="T")
         return result
 
     def project(self, patch: int, function: Callable[[SurfacePoints], Array]) -> Array:
@@ -142,7 +157,9 @@ class Field:
 def discontinuous_space(boundary: Boundary, end_shift: float = END_SHIFT) -> Space:
     """Each patch has its own unknowns; no collocation point lies on an edge of a patch.
 
-    Collocation at Greville abscissae, the first and last of each direction moved inwards by
+    Where a patch has one element along a parameter, collocation is at Gauss points: integrals of
+    residuals then nearly vanish as in Galerkin's method, and so do errors of forces and flow rates.
+    Elsewhere it is at Greville abscissae, the first and last of each direction moved inwards by
     ``end_shift`` times the distance to the next (Marussig et al. 2015), so that corners and
     edges, where tractions jump, need no special treatment.
     """
@@ -150,7 +167,7 @@ def discontinuous_space(boundary: Boundary, end_shift: float = END_SHIFT) -> Spa
     for patch in boundary.patches:
         surface = patch.surface
         axes = [
-            _shifted(greville(p, k), end_shift)
+            _abscissae(p, k, end_shift)
             for p, k in zip(surface.degrees, surface.knots, strict=True)
         ]
         grid = np.stack([g.ravel() for g in np.meshgrid(*axes, indexing="ij")])
@@ -160,7 +177,10 @@ def discontinuous_space(boundary: Boundary, end_shift: float = END_SHIFT) -> Spa
     return Space(boundary, tuple(offsets), tuple(parameters), join(points))
 
 
-def _shifted(abscissae: Array, share: float) -> Array:
+def _abscissae(degree: int, knots: Array, share: float) -> Array:
+    if len(knots) == 2 * degree + 2:
+        return knots[0] + (knots[-1] - knots[0]) * gauss_unit(degree + 1)[0]
+    abscissae = greville(degree, knots)
     shifted = abscissae.copy()
     shifted[0] += share * (abscissae[1] - abscissae[0])
     shifted[-1] -= share * (abscissae[-1] - abscissae[-2])

@@ -19,7 +19,7 @@ Dimension = tuple[int, int, int]  # powers of length, mass and time
 
 
 class Drawn(Protocol):
-    """What was drawn in some unit of length, such as a ``Boundary``."""
+    """A geometry with a unit of length, such as a ``Boundary``."""
 
     @property
     def source(self) -> str:
@@ -182,7 +182,7 @@ def check_same(length: str, values: Iterable[tuple[str, Any]]) -> None:
 
 @dataclass(frozen=True)
 class Numbers:
-    """What a flow is like, whatever its units: the ``capillary`` number Ca = μ U / γ,
+    """Dimensionless numbers of a flow: the ``capillary`` number Ca = μ U / γ,
     ``viscosity_ratio`` λ of inner over outer viscosity, ``reynolds`` number Re = ρ U L / μ; None
     where something for it is missing."""
 
@@ -202,8 +202,9 @@ def numbers(
 ) -> Numbers:
     """Dimensionless numbers of a flow, from quantities or numbers in consistent units.
 
-    Stokes flow takes Re for zero: cadbem's answers are off by about as much as Re, and worthless
-    where it is not far below 1.  Raises ``UnitsError`` for quantities of the wrong dimension.
+    Stokes flow is the limit Re → 0: the relative error of cadbem's results is about Re, so that
+    they are meaningless unless Re is far below 1.  Raises ``UnitsError`` for quantities of the
+    wrong dimension.
     """
     given = locals()
     for name, value in given.items():
@@ -223,7 +224,7 @@ def _kind(name: str) -> tuple[Dimension, str, str, str]:
 
 
 def _words(dimension: Dimension) -> str:
-    """What a dimension is called."""
+    """The name of a dimension in words."""
     for kind in _KINDS.values():
         if kind[0] == dimension:
             return kind[1]

@@ -1,4 +1,4 @@
-"""Compiles ahead by the smallest flows, bodies and heat problems that use all that is compiled."""
+"""Compiles all compiled functions, by small flows, bodies and heat problems that use them."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def warm_up() -> str | None:
 
 
 def _steps() -> Iterator[Step]:
-    """What uses compiled functions, in few words, and how to do it."""
+    """The steps of the warm-up: a short description of each, and a function that carries it out."""
     for dimension, place in ((3, "space"), (2, "a plane")):
         yield f"flow in {place}", partial(_flow, dimension)
         yield f"heat in {place}", partial(_heat, dimension)
@@ -81,9 +81,7 @@ def _points(dimension: int) -> np.ndarray:
     return np.array([[0.5, 0.5]] * (dimension - 1) + [[0.5, 1e-3]])
 
 
-def _channel(
-    dimension: int, elements: int = 2, storage: Storage | None = None
-) -> StokesProblem:
+def _channel(dimension: int, elements: int = 2, storage: Storage | None = None) -> StokesProblem:
     conditions: dict[str, Condition] = {
         "inlet": Inflow(mean_velocity=1.0),
         "outlet": Pressure(0.0),

@@ -28,7 +28,7 @@ HEAD = """# Gallery
 One picture a thing, with the lines that make it. They are run from the project's folder, after
 `import cadbem as cb` and `import numpy as np`. `python docs/gallery.py` makes the pictures and this
 page. What draws quantities takes `units=` (anything with `length`, `time` and `pressure`, such as
-`cb.Units()`), which colour bars and axes then name; without them they tell the CAD file's unit of
+`cb.Units()`), which colour bars and axes then name; without them they give the CAD file's unit of
 length and leave time and viscosity open. No screen is needed.
 """
 
@@ -114,7 +114,7 @@ def paths():
     channel = cb.read_cad("geometries/bent_pipe.step").elevated(2).refined(2)
     ends = {"inlet": cb.Inflow(mean_velocity=1.0), "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
     solution = cb.StokesProblem(channel, 1.0, ends).solve()
-    tracers = cb.trace(solution, cb.inlet_starts(solution, count=40), time_limit=8.0)
+    tracers = cb.trace(solution, cb.inlet_points(solution, count=40), time_limit=8.0)
     paths, times = tracers.paths, tracers.moments
     cb.draw_paths("paths.png", channel, paths, values=times, label="time", units=cb.Units())
 

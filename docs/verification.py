@@ -40,7 +40,7 @@ prints. Made by `python docs/verification.py`, cadbem {cb.__version__}: {summary
 
 The truth is a closed form, a series, or a computation by other means, as the last column says; the
 thesis's own value stands beside it and decides nothing. Errors are relative, and absolute where
-the truth is 0. Blocks of text are from [Results](results.md), where the machine and times are told.
+the truth is 0. Blocks of text are from [Results](results.md), with the machine and the times.
 """
 
 

@@ -9,13 +9,14 @@ from test_closed_layers import layers_of, stokeslet, wavy
 import cadbem as cb
 from cadbem.operators.closed.field import OffSurface
 from cadbem.operators.closed.nearest import nearest_points, signed_distance
+from cadbem.quadrature.closed import PolarRule
 
 
 @pytest.mark.parametrize("dimension, n, tolerance", [(2, 14, 2e-5), (3, 14, 2e-4)])
 def test_greens_representation_at_any_distance(dimension, n, tolerance):
     """The flow of a point force outside: (S[σ·n] - D[u]) / 2h is u inside and 0 outside, from
     half a radius to a ten-thousandth of it."""
-    layers = layers_of(wavy(dimension, n), cb.PolarRule(1e-6))
+    layers = layers_of(wavy(dimension, n), PolarRule(1e-6))
     basis, at = layers.operator.basis, layers.targets
     source = np.array([1.5, 1.2, 0.9])[:dimension]
     strength = np.array([0.3, -1.0, 0.7])[:dimension]
@@ -41,7 +42,7 @@ def test_linear_flow_through_an_interface(dimension, ratio):
     def jump(points):
         return 2 * (1 - ratio) * strain @ points.normal
 
-    law = SimpleNamespace(close=lambda layers, respond: (respond(jump), jump))
+    law = SimpleNamespace(close=lambda layers, velocity_response: (velocity_response(jump), jump))
     shape = wavy(dimension, 14)
     run = cb.Simulation(cb.FreeFlow(flow), cb.Droplet(shape, law, ratio))
     state = run.start

@@ -94,7 +94,7 @@ def test_manufactured_two_phase_flow(dimension, ratio):
     def jump(points):
         return 2 * (1 - ratio) * strain @ points.normal
 
-    law = SimpleNamespace(close=lambda layers, respond: (respond(jump), jump))
+    law = SimpleNamespace(close=lambda layers, velocity_response: (velocity_response(jump), jump))
     errors = []
     for n in ROWS:
         spline = wavy(dimension, n)

@@ -8,6 +8,7 @@ import pytest
 import cadbem as cb
 from cadbem.boundary import Boundary, Patch
 from cadbem.errors import ConditionError
+from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.outlines import rectangle
 from cadbem.suspension.multibody.neighbours import Neighbours
 
@@ -47,7 +48,7 @@ def test_distances():
     ball = cb.Droplet(cb.spline_sphere(0.4, (1.2, 0.9, 0.0)), cb.SurfaceTension(1.0))
     pairs.append((cb.rigid_sphere(1.0, (0, 0, 0)), ball))
     for pair in pairs:
-        neighbours = Neighbours([b.placed(cb.PolarRule()) for b in pair])
+        neighbours = Neighbours([b.placed(PolarRule()) for b in pair])
         assert 0.1 - 1e-6 < neighbours.between(1, 0, 1.0) < 0.1 + 3.5e-3
         assert neighbours.between(0, 1, 0.01) == np.inf or neighbours.between(0, 1, 0.01) > 0.09
         assert neighbours.nearest(1, 1.0) == (neighbours.between(1, 0, 1.0), 0)

@@ -73,7 +73,7 @@ def test_constant_density_under_the_double_layer(case):
     tolerances, errors = [1e-3, 1e-5, 1e-7, 1e-9], []
     for tolerance in tolerances:
         layer, space = matrix(kernel, boundary, tolerance, 1)
-        assert layer.collect, "no block is far"
+        assert layer.target_factors, "no block is far"
         made = layer.apply(np.ones((kernel.components, space.count)))
         errors.append(abs(made - kernel.free_term).max() / kernel.free_term)
         assert errors[-1] < 3 * tolerance

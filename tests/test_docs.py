@@ -58,3 +58,22 @@ def test_public_names_have_docstrings():
     for name in listed():
         text = getattr(cadbem, name).__doc__
         assert text and not text.startswith(f"{name}("), f"{name} has no docstring"
+
+
+def test_files_of_the_glossary_exist():
+    rows = re.findall(r"^\| .* \|$", (ROOT / "docs" / "glossary.md").read_text(), re.MULTILINE)
+    words = [row for row in rows if not row.startswith("| word ")]
+    assert len(words) > 30
+    for row in words:
+        file = re.search(r"`([^`]+)` \|$", row)
+        assert file and (ROOT / file[1]).is_file(), f"no such file: {row}"
+
+
+@pytest.mark.parametrize("page", ["CONTRIBUTING.md", "docs/architecture.md"])
+def test_paths_on_pages_exist(page):
+    """Paths from the repository, from the package, or from one of its rooms."""
+    text = (ROOT / page).read_text()
+    for path in re.findall(r"`([\w/.]+/[\w.]*)`", text):
+        places = [ROOT / path, ROOT / "cadbem" / path, *(ROOT / "cadbem").glob(f"*/{path}")]
+        of_a_run = path.startswith("frames/")
+        assert of_a_run or any(place.exists() for place in places), f"{page}: no {path}"

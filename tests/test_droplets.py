@@ -12,6 +12,9 @@ import cadbem as cb
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.points import dual_tangents
 from cadbem.post.style.plots import fitted_order
+from cadbem.quadrature.closed import PolarRule
+from cadbem.spline.closed import ClosedBasis
+from cadbem.suspension.interface.laws import thesis_tension_2d
 from cadbem.suspension.interface.mesh import stretches, turning
 from cadbem.suspension.interface.volume import (
     centre,
@@ -109,7 +112,7 @@ def test_ellipse_relaxes_to_the_circle_of_its_area():
     shape = nearest_with_volume(shape, 4.7126)
     run = cb.Simulation(
         cb.FreeFlow(cb.at_rest(2)),
-        cb.Droplet(shape, cb.thesis_tension_2d(0.2)),
+        cb.Droplet(shape, thesis_tension_2d(0.2)),
         stepper=cb.Adaptive(1e-5),
     )
     circle = last(run, 6.0).droplet.shape
@@ -133,7 +136,7 @@ def test_affine_motion_maps_a_sphere_to_an_ellipsoid():
     start go where the linear map exp(A t) takes them."""
     shape = cb.spline_ellipsoid((1.3, 1.0, 0.9))
     strain = np.diag([1.0, -0.3, -0.7])
-    layers = cb.Droplet(shape, cb.SurfaceTension(1.0)).placed(cb.PolarRule()).layers
+    layers = cb.Droplet(shape, cb.SurfaceTension(1.0)).placed(PolarRule()).layers
     velocity = np.einsum("ij,j...->i...", strain, shape.coefficients)
     assert cb.affine_velocity(layers, velocity) == pytest.approx(velocity, abs=2e-3)
 
@@ -212,7 +215,7 @@ def test_relaxation_moves_points_along_the_surface(semi_axes, counts, relax):
 def test_relaxation_evens_out_distances():
     """C_r1 alone: on a circle with crowded points the ratio of distances falls."""
     crowded = cb.closed_spline(
-        cb.ClosedBasis(4, (32,)),
+        ClosedBasis(4, (32,)),
         lambda u: np.stack([f(np.arctan2(u[1], u[0]) + 0.4 * u[1]) for f in (np.cos, np.sin)]),
     )
     even = cb.RelaxMesh(0.4, 0.0, steps=400, pseudo_step=0.02).relaxed(crowded)

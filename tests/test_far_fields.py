@@ -8,7 +8,8 @@ from test_closed_layers import stokeslet, wavy
 
 import cadbem as cb
 from cadbem.operators.far.equivalent import Expansion, Sources, ball_around, point_sources
-from cadbem.operators.far.exchange import Cloud, Exchange, clouds_of
+from cadbem.operators.far.interactions import FarInteractions, TargetCluster, target_clusters
+from cadbem.quadrature.closed import PolarRule
 from cadbem.suspension.multibody.multibody import velocity_responses
 
 
@@ -23,7 +24,7 @@ def nodes(dimension: int, centre, size: float) -> Sources:
     middle = np.reshape(centre, (-1, *[1] * (shape.coefficients.ndim - 1)))
     body = cb.Droplet(
         cb.ClosedSpline(shape.basis, size * shape.coefficients + middle), cb.SurfaceTension(1.0)
-    ).placed(cb.PolarRule())
+    ).placed(PolarRule())
     c = shape.coefficients
     return body.sources((np.stack([*c[1:], 1 + c[0] * c[1]]), c + 0.5 * c[::-1] ** 2))
 
@@ -46,7 +47,7 @@ def test_error_falls_exponentially_with_the_order(dimension):
     orders, errors = np.arange(4, 13, 2), []
     for order in orders:
         expansion = Expansion(dimension, int(order), 2.5)
-        unit = body.seen_in(ball)
+        unit = body.in_units_of(ball)
         found, received = np.zeros_like(far), np.zeros_like(inside)
         strengths = expansion.equivalent(unit)
         Sources(ball.world(expansion.inner), strengths).add_to(far, found)
@@ -73,10 +74,10 @@ def shell_flow(force: np.ndarray, radius: float, arm: np.ndarray) -> np.ndarray:
 
 def test_a_shell_of_force_and_a_shell_of_sources():
     """A sphere with q = F / (4πR²) and u = n; the double layer of n is 8πR² (x - c) / |x - c|³, as
-    n n is I / 3 in the mean.  Two more bodies that make nothing, and clouds at all distances."""
+    n n is I / 3 in the mean.  Two more bodies that make nothing, and clusters at all distances."""
     radius, centre, force = 0.7, np.array([1.0, 2.0, -1.0]), np.array([0.3, -1.0, 0.5])
     body = cb.Droplet(cb.spline_sphere(radius, centre, points=800), cb.SurfaceTension(1.0)).placed(
-        cb.PolarRule(1e-9)
+        PolarRule(1e-9)
     )
     area = 4 * np.pi * radius**2
     shape = body.layers.spline.coefficients
@@ -85,15 +86,16 @@ def test_a_shell_of_force_and_a_shell_of_sources():
     reach = np.random.default_rng(0).uniform(0.4, 3.5, 3000)
     points = centre[:, None] + radius * np.exp(reach) * directions(3, 3000)
     ball = ball_around(source.position)
-    exchange = Exchange(cb.FarField().expansions(3), [ball] * 3, points, clouds_of(points))
-    found = exchange.apply([1], lambda i: source)
+    clusters = target_clusters(points)
+    interactions = FarInteractions(cb.FarField().expansions(3), [ball] * 3, points, clusters)
+    found = interactions.apply([1], lambda i: source)
     arm = points - centre[:, None]
     exact = shell_flow(force, radius, arm)
     exact += 2 * area * arm / np.linalg.norm(arm, axis=0) ** 3
-    seen = np.setdiff1d(np.arange(3000), exchange.near(1))
+    seen = np.setdiff1d(np.arange(3000), interactions.near(1))
     assert 2000 < len(seen) < 2900
     assert np.abs(found - exact)[:, seen].max() < 1e-6 * np.abs(exact).max() * np.e
-    assert not found[:, exchange.near(1)].any()
+    assert not found[:, interactions.near(1)].any()
 
 
 def test_a_pushed_sphere_from_afar():
@@ -126,7 +128,7 @@ def suspension(dimension: int, ratio: float) -> list:
 @pytest.mark.parametrize("dimension, ratio", [(2, 5.0), (3, 1.0), (3, 5.0)])
 def test_many_bodies_against_direct_sums(dimension, ratio):
     """All velocities to a few times the far fields' tolerance, relative to the fastest."""
-    placed = [b.placed(cb.PolarRule()) for b in suspension(dimension, ratio)]
+    placed = [b.placed(PolarRule()) for b in suspension(dimension, ratio)]
     flow = cb.FreeFlow(cb.shear(dimension=dimension))
 
     def velocities(far):
@@ -140,15 +142,15 @@ def test_many_bodies_against_direct_sums(dimension, ratio):
         assert 0 < error < 2 * tolerance
 
 
-def test_clouds():
-    """Each point is in one cloud, and clouds are compact."""
+def test_target_clusters():
+    """Each point is in one cluster, and clusters are compact."""
     points = np.random.default_rng(0).uniform(0, 1, (3, 5000))
-    clouds = clouds_of(points, first=7)
-    assert (np.sort(np.concatenate([c.numbers for c in clouds])) == 7 + np.arange(5000)).all()
-    assert max(len(c.numbers) for c in clouds) <= 128
-    volume = sum(np.prod(np.ptp(points[:, c.numbers - 7], axis=1)) for c in clouds)
+    clusters = target_clusters(points, first=7)
+    assert (np.sort(np.concatenate([c.numbers for c in clusters])) == 7 + np.arange(5000)).all()
+    assert max(len(c.numbers) for c in clusters) <= 128
+    volume = sum(np.prod(np.ptp(points[:, c.numbers - 7], axis=1)) for c in clusters)
     assert volume < 1.0
-    alone = Exchange((), [], points, [Cloud(np.arange(5000))])
+    alone = FarInteractions((), [], points, [TargetCluster(np.arange(5000))])
     assert not alone.apply([], lambda i: Sources(points)).any()
 
 

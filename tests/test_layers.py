@@ -14,7 +14,7 @@ FLOORS = (
     {"spline", "quadrature", "kernels"},
     {"points", "refinement"},
     {"boundary", "closed_points"},
-    {"extension"},
+    {"extension", "elements"},
     {"cad", "space"},
     {"operators"},
     {"problems"},

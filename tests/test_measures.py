@@ -255,7 +255,7 @@ def test_dissipation_of_a_computed_flow(ratio):
         return (19 * ratio + 16) / (2 * (ratio + 1)) * pull * points.normal
 
     layers = ClosedLayers(ClosedOperator(spline.basis), spline)
-    law = SimpleNamespace(close=lambda layers, respond: (respond(jump), jump))
+    law = SimpleNamespace(close=lambda layers, velocity_response: (velocity_response(jump), jump))
     response = alone(FreeFlow(shear()), Droplet(spline, law, ratio), layers)
     m = measure(spline, response.velocity, response.jump, shear(), 1.0, ratio)
     stresslet = 8 * np.pi / 3 * (1 + 2.5 * ratio) / (1 + ratio)

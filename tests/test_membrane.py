@@ -43,7 +43,7 @@ from cadbem.suspension.time.stepping import Adaptive
 FINE = PolarRule(1e-8)
 
 
-def respond(spline, flow, rigidity=0.0, viscosity_ratio=1.0, viscosity=1.0, rule=FINE):
+def solved(spline, flow, rigidity=0.0, viscosity_ratio=1.0, viscosity=1.0, rule=FINE):
     """Layers, and the response of a membrane."""
     layers = ClosedLayers(ClosedOperator(spline.basis, rule), spline)
     drop = Droplet(spline, InextensibleMembrane(rigidity), viscosity_ratio)
@@ -56,7 +56,7 @@ def test_circle_in_shear(viscosity_ratio):
     u = 2 / (1 + λ) (E, E' / 2).  Its stretching is -2 / (1 + λ) E, that of τ is -τ / [(1 + λ) μ]:
     τ = -2 μ E, and half the tangential velocity remains beside the rotation."""
     radius, rate, viscosity = 2.0, 1.5, 3.0
-    layers, response = respond(
+    layers, response = solved(
         spline_circle(radius, points=48), shear(rate, 2), 0.0, viscosity_ratio, viscosity
     )
     angle, points = layers.operator.basis.axes()[0], layers.targets
@@ -99,7 +99,7 @@ def test_sphere_in_shear(viscosity_ratio):
     size = -(stretching(2) @ free) / (stretching(2) @ pull)
     normal, tangential = free + size * pull
     assert normal == pytest.approx(60 / (23 * viscosity_ratio + 32), rel=1e-12)
-    layers, response = respond(spline_sphere(points=288), shear(), 0.0, viscosity_ratio)
+    layers, response = solved(spline_sphere(points=288), shear(), 0.0, viscosity_ratio)
     n, points = layers.targets.normal, layers.targets
     shape, still = n[0] * n[2], np.zeros_like(n[0])
     pushed = np.stack([n[2], still, n[0]])
@@ -116,7 +116,7 @@ def test_sphere_in_shear(viscosity_ratio):
 def test_round_membranes_rest(round_shape, rigidity, viscosity_ratio):
     """Only a uniform pressure acts."""
     rest = at_rest(round_shape.dimension)
-    _, response = respond(round_shape, rest, rigidity, viscosity_ratio)
+    _, response = solved(round_shape, rest, rigidity, viscosity_ratio)
     assert np.abs(response.velocity).max() < 1e-7
 
 
@@ -137,7 +137,7 @@ def test_nothing_stretches(shapes):
     worst = []
     for shape in shapes:
         spline = wavy(4, shape)
-        layers, response = respond(spline, shear(dimension=spline.dimension), 0.02)
+        layers, response = solved(spline, shear(dimension=spline.dimension), 0.02)
         points, weights = layers.points, layers.weights
         rate = points.divergence(response.velocity)
         velocity = points.grid.values(response.velocity)
@@ -188,7 +188,7 @@ def test_waves_trade_length(shape, viscosity_ratio):
     for sign in (1, -1):
         bumps = 1 + sign * tiny * sizes @ waves
         shaped = ClosedSpline(basis, basis.fit((unit * bumps).reshape(-1, *shape)))
-        layers, response = respond(shaped, at_rest(basis.dimension), rigidity, viscosity_ratio)
+        layers, response = solved(shaped, at_rest(basis.dimension), rigidity, viscosity_ratio)
         points = layers.targets
         speeds.append((points.grid.values(response.velocity) * points.normal).sum(axis=0))
     change = (speeds[0] - speeds[1]) / (2 * tiny)
@@ -272,7 +272,7 @@ def test_nearly_round_tank_treading_in_space():
 
 def test_tension_that_cannot_be_found():
     """A velocity that does not depend on the jump leaves nothing to solve for."""
-    layers, _ = respond(spline_circle(points=24), at_rest(2))
+    layers, _ = solved(spline_circle(points=24), at_rest(2))
     stretched = layers.spline.coefficients
     with pytest.raises(ConditionError, match="tension of the membrane was not found"):
         InextensibleMembrane().close(layers, lambda jump: stretched)

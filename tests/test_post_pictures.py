@@ -80,7 +80,7 @@ def test_boundary_with_defects(tmp_path):
     assert has_colour(check(path, 0.2, 0.8), "#d62728")
 
 
-def seen_from(surface, view):
+def visible_faces(surface, view):
     return look(surface, view, surface.points.T, SIZE)
 
 
@@ -90,7 +90,7 @@ def test_every_face_of_a_box_is_seen():
     surface = tessellated(box())
     points = surface.points.T
     view = corner_view(points)
-    front, back = seen_from(surface, view), seen_from(surface, back_view(points))
+    front, back = visible_faces(surface, view), visible_faces(surface, back_view(points))
     assert (set(roomiest(front)), set(roomiest(back))) == ({2, 3, 6}, {1, 4, 5})
     spots = roomiest(front)
     place = front.position(spots[6][0])
@@ -126,7 +126,7 @@ def test_hidden_faces_get_no_number():
     surface = tessellated(Boundary((*near.patches, *behind)))
     view = plan_view(surface.points.T, hidden=1)
     np.testing.assert_allclose(view.toward, [0, -1, 0])
-    assert set(roomiest(seen_from(surface, view))) == {3}
+    assert set(roomiest(visible_faces(surface, view))) == {3}
 
 
 def test_faces_inside_get_a_view_of_their_own():

@@ -48,7 +48,7 @@ def test_plane_poiseuille(plane):
 def test_residence_times_from_an_inlet(plane):
     """The mean is V / Q = 1; the share that left up to t is (3η - η³) / 2 with t = L / u(η),
     to within what a pair of tracers stands for."""
-    tracers = cb.trace(plane, cb.inlet_starts(plane, "inlet", count=30))
+    tracers = cb.trace(plane, cb.inlet_points(plane, "inlet", count=30))
     assert tracers.mean_time == pytest.approx(1.0, rel=1e-5)
     assert tracers.flow_rates.sum() == pytest.approx(1.0, rel=1e-6)
     assert tracers.shares == pytest.approx({"outlet": 1.0})
@@ -65,7 +65,7 @@ def test_square_duct():
     solution = cb.StokesProblem(
         boundary, 1.0, {**ends, "walls": cb.NoSlip()}, cb.Quadrature(1e-5)
     ).solve()
-    tracers = cb.trace(solution, cb.inlet_starts(solution, count=16))
+    tracers = cb.trace(solution, cb.inlet_points(solution, count=16))
     assert tracers.mean_time == pytest.approx(2.0, rel=5e-3)
     assert set(tracers.openings) == {"outlet"}
 
@@ -79,14 +79,14 @@ def test_mirror_images_part_ways(stem):
 
 def test_shares_are_those_of_the_flow(stem):
     """Half of what enters leaves through either end."""
-    tracers = cb.trace(stem, cb.inlet_starts(stem, count=12), time_limit=60.0)
+    tracers = cb.trace(stem, cb.inlet_points(stem, count=12), time_limit=60.0)
     assert tracers.shares["inlet_a"] == pytest.approx(tracers.shares["outlet"], abs=1e-6)
     assert sum(tracers.shares.values()) == pytest.approx(1.0)
 
 
 def test_mistakes(plane):
     with pytest.raises(cb.ConditionError, match="no fluid enters through 'outlet'"):
-        cb.inlet_starts(plane, "outlet")
+        cb.inlet_points(plane, "outlet")
     with pytest.raises(cb.ConditionError, match=r"give points \(2, N\)"):
         cb.trace(plane, [[0.0], [0.0], [0.0]])
     for y in (0.3, 9.0):
@@ -95,4 +95,4 @@ def test_mistakes(plane):
     with pytest.raises(cb.UnitsError, match="time_limit: '1 mm' is a length; give a time"):
         cb.trace(plane, [[0.0], [0.1]], time_limit=cb.Units()("1 mm"))
     with pytest.raises(cb.SelectionError, match="no face is named 'drain'"):
-        cb.inlet_starts(plane, "drain")
+        cb.inlet_points(plane, "drain")

@@ -7,6 +7,7 @@ from functools import partial
 from math import inf
 
 import cadbem as cb
+from cadbem.suspension.interface.laws import thesis_tension_2d
 from cadbem.verification.figures import plates_2d
 from cadbem.verification.figures.common import Runs, labelled
 from cadbem.verification.plates import between_plane_plates
@@ -19,7 +20,7 @@ def simulate(
     centre: tuple[float, float] = (0.0, 0.0), degree: int = 4, **options,
 ) -> cb.History:  # fmt: skip
     shape = cb.spline_circle(points=points, degree=degree, centre=centre)
-    droplet = cb.Droplet(shape, cb.thesis_tension_2d(capillary), ratio)
+    droplet = cb.Droplet(shape, thesis_tension_2d(capillary), ratio)
     simulation = cb.Simulation(flow, droplet, **{"stepper": cb.Adaptive(1e-4)} | options)
     return cb.record(simulation.run(end, every=end / FRAMES))
 
@@ -33,8 +34,7 @@ def main(
 
     capillary: Ca in the thesis's reading, Δf = (2 / Ca) c n, which is twice the true one
     viscosity_ratio: λ, inner over outer viscosity
-    widths: W, in radii
-    points: on the droplet
+    widths: W, in radii; points: on the droplet
     end: time τ, in units of 1 / rate; 'drift' takes twice as long, 'resolution' half as long
     parts: 'widths', also unbounded; 'resolution', one thing changed at a time for the narrowest;
         'drift', from off the middle; 'thesis', all widths with the thesis's methods and points

@@ -11,9 +11,10 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import draw_plots
+from cadbem.quadrature.closed import SingularitySubtraction
 from cadbem.verification.figures import extension
 
-SUBTRACTION = {"rule": cb.SingularitySubtraction()}
+SUBTRACTION = {"rule": SingularitySubtraction()}
 THESIS = {"degree": 2, "motion": cb.normal_velocity}
 VARIANTS = {
     "ours, polar rule": {},

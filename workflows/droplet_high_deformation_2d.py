@@ -9,12 +9,15 @@ evenly.
 
 import cadbem as cb
 from cadbem.post.style.plots import draw_plots
+from cadbem.quadrature.closed import PolarRule
+from cadbem.suspension.interface.laws import thesis_tension_2d
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.figures import far_from_circle_2d
 
 
 def simulate(points: int, end: float, degree: int, capillary: float, **options) -> cb.History:
     shape = cb.spline_circle(points=points, degree=degree)
-    droplet = cb.Droplet(shape, cb.thesis_tension_2d(capillary))
+    droplet = cb.Droplet(shape, thesis_tension_2d(capillary))
     simulation = cb.Simulation(cb.FreeFlow(cb.shear(dimension=2)), droplet, **options)
     return cb.record(simulation.run(end, every=end / 50))
 
@@ -30,9 +33,9 @@ def main(
     end: time τ, in units of 1 / rate
     """
     folder = cb.run_folder(output)
-    thesis = {"degree": 2, "capillary": capillary, **cb.thesis_methods()}
+    thesis = {"degree": 2, "capillary": capillary, **thesis_methods()}
     relaxed = thesis | {"mesh": cb.RelaxMesh(0.2, 0.2, steps=10, pseudo_step=0.01)}
-    precise = {"stepper": cb.Adaptive(1e-6), "rule": cb.PolarRule(1e-8)}
+    precise = {"stepper": cb.Adaptive(1e-6), "rule": PolarRule(1e-8)}
     runs = {
         f"thesis's way, N = {points}": simulate(points, end, **thesis),
         f"thesis's way, N = {points}, relaxed": simulate(points, end, **relaxed),

@@ -7,6 +7,7 @@ True values for λ = 1 come from a spectral computation.
 from functools import partial
 
 import cadbem as cb
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.figures import shear
 from cadbem.verification.figures.common import KEEP, Keep, Runs, labelled
 
@@ -37,7 +38,7 @@ def main(
     """
     folder, made = cb.run_folder(output, resume=resume), {}
     ours = {"degree": degree, "stepper": cb.Adaptive(tolerance), "end": end}
-    thesis = {"degree": 2, "end": end, **cb.thesis_methods()}
+    thesis = {"degree": 2, "end": end, **thesis_methods()}
     if "shape" in parts:
         ways = {"ours": ours, "thesis's way": thesis}
         ways["thesis's way, relaxed"] = thesis | {"mesh": cb.RelaxMesh()}

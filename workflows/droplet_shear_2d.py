@@ -8,15 +8,15 @@ a true Ca of 0.1 there is a series in time as well.
 
 import cadbem as cb
 from cadbem.post.style.plots import draw_plots
+from cadbem.quadrature.closed import PolarRule
+from cadbem.suspension.interface.laws import thesis_tension_2d
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.figures import shear_2d
 
 CAPILLARY = 0.2
-READINGS = {
-    "thesis's": cb.thesis_tension_2d(CAPILLARY),
-    "physical": cb.capillary_tension(CAPILLARY),
-}
-OURS = {"degree": 4, "stepper": cb.Adaptive(1e-5), "rule": cb.PolarRule(1e-7)}
-THESIS = {"degree": 2, **cb.thesis_methods()}
+READINGS = {"thesis's": thesis_tension_2d(CAPILLARY), "physical": cb.capillary_tension(CAPILLARY)}
+OURS = {"degree": 4, "stepper": cb.Adaptive(1e-5), "rule": PolarRule(1e-7)}
+THESIS = {"degree": 2, **thesis_methods()}
 WAYS = (OURS, OURS | {"volume": None}, THESIS, THESIS | {"volume": None})
 VARIANTS = dict(zip(shear_2d.VARIANTS, WAYS, strict=True))
 CASES = [("thesis's", ratio, variant) for ratio in (0.2, 1.0, 2.0) for variant in VARIANTS]

@@ -10,6 +10,9 @@ import numpy as np
 
 import cadbem as cb
 from cadbem.post.style.plots import draw_plots
+from cadbem.quadrature.closed import PolarRule
+from cadbem.suspension.interface.laws import thesis_tension_2d
+from cadbem.suspension.time.thesis_methods import thesis_methods
 from cadbem.verification.figures import ellipse
 
 ASPECT = 1.5
@@ -29,7 +32,7 @@ def main(
     end: time τ
     """
     folder = cb.run_folder(output)
-    tension = cb.thesis_tension_2d(capillary)
+    tension = thesis_tension_2d(capillary)
     rate = tension.tension / ((1 + viscosity_ratio) * ellipse.RADIUS)
     axes = (ellipse.RADIUS * np.sqrt(ASPECT), ellipse.RADIUS / np.sqrt(ASPECT))
 
@@ -39,8 +42,8 @@ def main(
         simulation = cb.Simulation(cb.FreeFlow(cb.at_rest(dimension=2)), droplet, **options)
         return cb.record(simulation.run(end, every=0.05))
 
-    history = relax(degree, stepper=cb.Adaptive(tolerance), rule=cb.PolarRule(1e-7))
-    runs = {"ours": history, "thesis's way": relax(2, **cb.thesis_methods())}
+    history = relax(degree, stepper=cb.Adaptive(tolerance), rule=PolarRule(1e-7))
+    runs = {"ours": history, "thesis's way": relax(2, **thesis_methods())}
     print(f"N = {points}, exact final radius {ellipse.RADIUS:.7f}")
     ellipse.report(runs, rate)
     longer = ellipse.semi_axes(history)[0, -1]

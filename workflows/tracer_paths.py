@@ -37,7 +37,7 @@ def main(
     conditions = {name: cb.Inflow(flow_rate=rate) for name, rate in rates.items()}
     conditions |= {"outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
     solution = cb.StokesProblem(channel, u(viscosity), conditions, cb.Quadrature(1e-5)).solve()
-    found = {n: cb.trace(solution, cb.inlet_starts(solution, n, count=tracers)) for n in rates}
+    found = {n: cb.trace(solution, cb.inlet_points(solution, n, count=tracers)) for n in rates}
     print(cb.residence_report(found, u))
     whole = sum(g.mean_time * g.flow_rates.sum() for g in found.values()) / sum(rates.values())
     exact = channel.volume() / sum(rates.values())

@@ -6,6 +6,7 @@ Plates as in droplet_between_plates_2d; Ca is twice the true one; each start in 
 from functools import partial
 
 import cadbem as cb
+from cadbem.suspension.interface.laws import thesis_tension_2d
 from cadbem.verification.figures import pair_2d
 from cadbem.verification.figures.common import Runs, labelled
 from cadbem.verification.plates import between_plane_plates
@@ -18,7 +19,7 @@ def simulate(
     flow: cb.ChannelFlow | cb.FreeFlow, starts: tuple, capillary: float, ratio: float,
     points: int, tolerance: float, end: float,
 ) -> cb.History:  # fmt: skip
-    tension = cb.thesis_tension_2d(capillary)
+    tension = thesis_tension_2d(capillary)
     shapes = [cb.spline_circle(points=points, centre=centre) for centre in starts]
     droplets = [cb.Droplet(shape, tension, ratio) for shape in shapes]
     simulation = cb.Simulation(flow, droplets, stepper=cb.Adaptive(tolerance))
@@ -33,8 +34,7 @@ def main(
     """Up to three parts.
 
     capillary: Ca in the thesis's reading; viscosity_ratio: λ, inner over outer viscosity
-    half_width: W, in radii
-    points: on each droplet
+    half_width: W, in radii; points: on each droplet
     tolerance: error of a time step, as a share of a droplet's size
     end: time τ, in units of 1 / rate
     parts: 'pass', the thesis's start; 'swap', droplets that get each onto the side of the other;

@@ -1,4 +1,4 @@
-"""What is needed to draw faces of a CAD file that keep it from being a boundary."""
+"""Lines and triangles that show the defective faces of a CAD file in a picture."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Plane regions of fluid from CAD files: drawn as such, or cut out of a solid."""
+"""Plane regions of fluid from CAD files: plane sketches, or sections of a solid."""
 
 from __future__ import annotations
 

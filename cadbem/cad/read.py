@@ -57,8 +57,6 @@ def read_cad(
         model = open_model(path, time_limit, names, fluid)
         for warning in model.warnings:
             warn(warning, CadWarning, stacklevel=2)
-        for obstacle in model.obstacles():
-            raise CadError(obstacle)
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
         return oriented(boundary)
 
@@ -87,6 +85,8 @@ def oriented(boundary: Boundary) -> Boundary:
 
 
 def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
+    for obstacle in model.obstacles():
+        raise CadError(obstacle)
     patches: list[Patch] = []
     refused: list[str] = []
     for face in progress(model.faces, f"{model.file}: faces"):

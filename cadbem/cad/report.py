@@ -1,4 +1,4 @@
-"""The health of a CAD file: what its faces are, and what keeps it from being a boundary."""
+"""The report on a CAD file: its faces, and what prevents them from being a boundary."""
 
 from __future__ import annotations
 
@@ -104,12 +104,6 @@ def inspect_cad(
         area, gap = sum(r.area for r in reports), _largest_gap(model, survey.patches)
     if not survey.problems:
         volume = _converged(survey.boundary.volume)
-    relaxed = [
-        line
-        for face in model.faces
-        if face.number in survey.deviations
-        for line in model.relaxed(face, survey.deviations[face.number], tolerance)
-    ]
     return CadReport(
         file=model.file,
         unit=model.unit.name,
@@ -121,9 +115,19 @@ def inspect_cad(
         bounds=_bounds(model, survey.boundary.patches),
         gap=gap,
         problems=survey.problems,
-        remarks=(*model.warnings, *relaxed, *model.kernel.log),
+        remarks=(*model.warnings, *_relaxed(survey, tolerance), *model.kernel.log),
         defects=refused | model.defective_faces(),
     )
+
+
+def _relaxed(survey: CadSurvey, tolerance: float) -> list[str]:
+    """Remarks on faces whose patches deviate by more than the tolerance."""
+    return [
+        line
+        for face in survey.model.faces
+        if face.number in survey.deviations
+        for line in survey.model.relaxed(face, survey.deviations[face.number], tolerance)
+    ]
 
 
 def _examined(survey: CadSurvey, face: BrepFace) -> FaceReport:

@@ -1,4 +1,4 @@
-"""Curves in which a plane cuts faces: which face, and the face's own curve instead of a fit."""
+"""Curves in which a plane cuts faces: the face of each, and its exact curve where there is one."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def face_at(faces: Iterable[CutFace], point: Array, near: float) -> CutFace | No
 
 
 def cut_faces(faces: Iterable[BrepFace]) -> list[CutFace]:
-    """Faces whose surfaces are NURBS: the others can be cut, but curves do not know them."""
+    """Faces whose surfaces are NURBS; curves on other faces cannot be assigned to them."""
     found = []
     for face in faces:
         box = parameter_box(face)

@@ -1,4 +1,4 @@
-"""A CAD file face by face: patches where they can be laid, the reason where they cannot."""
+"""The survey of a CAD file, face by face: its patches, or the reason why there are none."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from cadbem.progress import progress
 
 @dataclass(frozen=True, eq=False)
 class CadSurvey:
-    """What became of the faces of `model`, by number; lengths in the file's unit.
+    """The result for each face of `model`, by number; lengths in the file's unit.
 
     A face is in `patches` and `deviations` (largest distance of its patches from it), or in
     `refused` with the reason. `boundary` has all patches, turned into the fluid if they enclose

@@ -1,4 +1,4 @@
-"""Tetrahedra in the fluid's volume, for displaying fields."""
+"""Tetrahedra in the volume of the fluid, for the display of fields."""
 
 from __future__ import annotations
 

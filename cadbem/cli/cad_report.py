@@ -113,7 +113,7 @@ def _verdict(report: CadReport) -> list[str]:
 
 
 def _bad_edges(report: CadReport) -> dict[int, str]:
-    """What is wrong with faces that have patches, or could have."""
+    """The defects of faces that have patches, or could have."""
     refused = {face.number for face in report.faces if face.problem}
     return {n: report.defects[n] for n in sorted(report.defects.keys() - refused)}
 

@@ -1,4 +1,4 @@
-"""``cadbem info`` and ``cadbem view``: what is in a CAD file."""
+"""``cadbem info`` and ``cadbem view``: the report and the picture of a CAD file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""``cadbem warmup`` and ``verify``: what concerns the machine that cadbem runs on."""
+"""``cadbem warmup`` and ``cadbem verify``: compilation and checks on this machine."""
 
 from __future__ import annotations
 

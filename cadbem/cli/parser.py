@@ -1,4 +1,4 @@
-"""What all commands share: how they are declared, and what they refuse."""
+"""The argument parser of all commands, and the checks of their options."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ def add_command(
 
 
 def leave_rest(parser: Parser) -> None:
-    """Whatever the command does not know itself is kept for its script, in ``arguments``."""
+    """Options that the command does not know itself are kept for its script, in ``arguments``."""
     parser.set_defaults(keeps_rest=True)
     parser.epilog = "all other options are those of the script"
 

@@ -1,4 +1,4 @@
-"""``cadbem run``, ``resume``, ``render`` and ``sweep``: scripts and what they left."""
+"""``cadbem run``, ``resume``, ``render`` and ``sweep``: scripts, and the folders of their runs."""
 
 from __future__ import annotations
 
@@ -159,22 +159,22 @@ def _resume(options: Options) -> Any:
     folder = Path(options.folder).resolve()
     if (folder / "sweep.json").exists():
         return _resume_sweep(folder, options)
-    from cadbem.results.folder import read_asked
+    from cadbem.results.folder import read_manifest
 
-    asked = read_asked(folder)
-    script = Path(asked["script"]["file"]) if asked["script"] else None
+    manifest = read_manifest(folder)
+    script = Path(manifest["script"]["file"]) if manifest["script"] else None
     if script is None or not script.is_file():
         raise UsageError(
             f"{folder}: its script, {script or 'unknown'}, is not there any more; run its copy "
             f"with the same arguments: cadbem run {folder / 'script.py'} -o {folder} --resume ..."
         )
-    if "resume" not in asked["arguments"]:
+    if "resume" not in manifest["arguments"]:
         raise UsageError(
             f"{script} cannot go on with a run: its main takes no 'resume'; run it again"
         )
-    if Path(asked["working_folder"]).is_dir():
-        os.chdir(asked["working_folder"])  # where relative paths among the arguments begin
-    given = asked["arguments"] | {"output": str(folder)}
+    if Path(manifest["working_folder"]).is_dir():
+        os.chdir(manifest["working_folder"])  # where relative paths among the arguments begin
+    given = manifest["arguments"] | {"output": str(folder)}
     words = [word for name, value in given.items() for word in _option(name, value)]
     options.script, options.tied = str(script), False
     options.arguments = [*words, *options.arguments, "--resume"]

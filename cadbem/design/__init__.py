@@ -1,1 +1,1 @@
-"""Designers' questions: what a chip resists, how it splits flow, where things end up, and when."""
+"""Questions of designers: resistance and flow split of a chip, paths of tracers and droplets."""

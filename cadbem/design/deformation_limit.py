@@ -1,4 +1,4 @@
-"""The capillary number up to which a droplet deforms no more than it may."""
+"""The largest capillary number at which the deformation of a droplet stays below a limit."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Where droplets end up."""
+"""The openings through which droplets leave, and when."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from cadbem.units import Units
 
 @dataclass(frozen=True, eq=False)
 class Fate:
-    """What became of one droplet: the ``opening`` through which it left at a ``time``, or "" and
+    """The fate of one droplet: the ``opening`` through which it left at a ``time``, or "" and
     why the run ``ended``; its ``path`` (dim, N) of centres at the ``times`` (N,), the largest
     ``deformation`` D and the narrowest ``gap`` among the states kept, inf where it was wide."""
 
@@ -37,7 +37,7 @@ class Fate:
 
 
 def droplet_fate(simulation: Simulation, end: float, every: float | None = None) -> Fate:
-    """Run a ``simulation`` of one droplet up to a time ``end`` and tell what became of it.
+    """The fate of the one droplet of a ``simulation``, which is run up to a time ``end``.
 
     The states of each multiple of ``every``, by default of all steps, are looked at.  Raises what
     ``Simulation.run`` raises.
@@ -46,7 +46,7 @@ def droplet_fate(simulation: Simulation, end: float, every: float | None = None)
 
 
 def fate_of(run: History) -> Fate:
-    """What became of the droplet of a ``run`` with one body, whose states were kept."""
+    """The fate of the droplet of a ``run`` with one body, from the states that were kept."""
     last = run.last
     times, path = run.track()
     return Fate(
@@ -64,7 +64,7 @@ def fate_of(run: History) -> Fate:
 def droplet_fates(
     simulation: Simulation, droplets: Iterable[Droplet], end: float, every: float | None = None
 ) -> list[Fate]:
-    """The same for several ``droplets``, each alone in the ``simulation``'s flow."""
+    """The fates of several ``droplets``, each alone in the flow of the ``simulation``."""
     return [droplet_fate(replace(simulation, bodies=d), end, every) for d in droplets]
 
 

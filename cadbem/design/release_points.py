@@ -1,4 +1,4 @@
-"""Where fluid enters: starts of passive tracers, each with the flow that it stands for."""
+"""Release points of passive tracers on inlets, each with the flow rate that it represents."""
 
 from __future__ import annotations
 
@@ -19,15 +19,16 @@ OPEN = Inflow | Pressure | Traction
 
 
 @dataclass(frozen=True, eq=False)
-class Starts:
-    """``points`` (dim, N), and the flow rate (N,) that each stands for."""
+class ReleasePoints:
+    """Release points of tracers: ``points`` (dim, N), and the flow rate (N,) that each
+    represents."""
 
     points: Array
     flow_rates: Array
 
 
-def inlet_starts(solution: StokesSolution, *names: str, count: int = 100) -> Starts:
-    """About ``count`` starts on the openings of some ``names``, by default all that let fluid in.
+def inlet_points(solution: StokesSolution, *names: str, count: int = 100) -> ReleasePoints:
+    """About ``count`` release points on the openings of some ``names``, by default on all inlets.
 
     They are Gauss points, so that ∫ u·n g dS over the openings is the sum of flow rate times g.
     Raises ``ConditionError`` where nothing flows in, ``SelectionError`` for an unknown name.
@@ -40,13 +41,13 @@ def inlet_starts(solution: StokesSolution, *names: str, count: int = 100) -> Sta
         raise ConditionError(f"no fluid enters through {openings}; name an inlet")
     patches = [i for n in entering for i in patches_named(solution.space.boundary, n)]
     parts = [_on_patch(solution, i, count / len(patches)) for i in patches]
-    return Starts(
+    return ReleasePoints(
         np.concatenate([p.points for p in parts], axis=1),
         np.concatenate([p.flow_rates for p in parts]),
     )
 
 
-def _on_patch(solution: StokesSolution, patch: int, count: float) -> Starts:
+def _on_patch(solution: StokesSolution, patch: int, count: float) -> ReleasePoints:
     surface = solution.space.boundary.patches[patch].surface
     order = max(1, ceil(count ** (1 / len(surface.degrees)) - 1e-9))
     rules = [gauss_on_breaks(order, np.array(domain)) for domain in surface.domain]
@@ -55,4 +56,4 @@ def _on_patch(solution: StokesSolution, patch: int, count: float) -> Starts:
     velocity = solution.velocity.on_patch(patch, *parameters)
     entering = (velocity * points.normal).sum(axis=0) * points.jacobian * weights
     kept = entering > 0
-    return Starts(points.position[:, kept], entering[kept])
+    return ReleasePoints(points.position[:, kept], entering[kept])

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from cadbem.design.overview import tracers_overview
-from cadbem.design.release_points import OPEN, Starts
+from cadbem.design.release_points import OPEN, ReleasePoints
 from cadbem.errors import ConditionError
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.profiles import Port, port
@@ -41,7 +41,7 @@ class Tracers:
 
     ``openings`` (N names) through which they left, "" for those that did not; ``ended`` (N texts)
     says why each is followed no further.  Near walls, where the fluid is almost at rest, the
-    computed flow may lead into a wall.  ``flow_rates`` (N,) is what each stands for.
+    computed flow may lead into a wall.  ``flow_rates`` (N,) are those that each represents.
     """
 
     paths: tuple[Array, ...]
@@ -91,36 +91,37 @@ class Tracers:
 
 def trace(
     solution: StokesSolution,
-    starts: Starts | ArrayLike,
+    release_points: ReleasePoints | ArrayLike,
     time_limit: float | None = None,
     tolerance: float = 1e-4,
 ) -> Tracers:
-    """Follow tracers from ``starts``, those of an inlet or points (dim, N), until they leave.
+    """Follow tracers from ``release_points``, those of an inlet or an array (dim, N), until they
+    leave.
 
     ``time_limit``, by default 200 V / Q with the volume V and the flow rate Q, ends those that do
     not.  ``tolerance`` bounds the error of each step relative to the narrowest opening's width.
-    Raises ``ConditionError`` when there is no opening, for starts outside the fluid or of another
-    dimension; ``UnitsError`` for a limit that is no time.
+    Raises ``ConditionError`` when there is no opening, for release points outside the fluid or of
+    another dimension; ``UnitsError`` for a limit that is no time.
     """
     check("time_limit", time_limit, "time")
-    if not isinstance(starts, Starts):
-        points = np.asarray(starts, dtype=float)
-        starts = Starts(points, np.ones(points.shape[-1]))
+    if not isinstance(release_points, ReleasePoints):
+        points = np.asarray(release_points, dtype=float)
+        release_points = ReleasePoints(points, np.ones(points.shape[-1]))
     flow = _Flow(solution)
-    if starts.points.ndim != 2 or len(starts.points) != solution.space.boundary.dimension:
+    points, dimension = release_points.points, solution.space.boundary.dimension
+    if points.ndim != 2 or len(points) != dimension:
         raise ConditionError(
-            f"starts have shape {starts.points.shape}; give points "
-            f"({solution.space.boundary.dimension}, N)"
+            f"release points have shape {points.shape}; give points ({dimension}, N)"
         )
-    outside = flow.in_walls(starts.points, np.inf)
+    outside = flow.in_walls(points, np.inf)
     if outside.any():
-        place = ", ".join(f"{x:.4g}" for x in starts.points[:, int(outside.argmax())])
+        place = ", ".join(f"{x:.4g}" for x in points[:, int(outside.argmax())])
         raise ConditionError(f"a tracer starts at ({place}), outside the fluid; move it inside")
     march = _March(flow, flow.turnover * PATIENCE if time_limit is None else time_limit, tolerance)
-    march.follow(starts.points)
+    march.follow(points)
     return Tracers(
         tuple(np.array(p).T for p in march.paths), tuple(map(np.array, march.moments)),
-        tuple(march.openings), tuple(march.ended), starts.flow_rates,
+        tuple(march.openings), tuple(march.ended), release_points.flow_rates,
     )  # fmt: skip
 
 

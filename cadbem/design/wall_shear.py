@@ -1,4 +1,4 @@
-"""How strongly the fluid drags along walls."""
+"""The wall shear stress and its distribution over the area."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a kernel is: a value that fills tables of pair interactions."""
+"""The type of a kernel: a value that fills tables of interactions of targets and sources."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ class Kernel:
     (dim, N), and writes table (entries, ·) from column columns[t] on.
 
     ``sums``, if there are any, do the same as ``fill`` and a product with densities, faster.
-    ``free_term`` is what the double layer makes of a constant density at a smooth point of a
+    ``free_term`` is the double layer of a constant density at a smooth point of a
     closed boundary, normals into the domain; inside it is twice that, outside zero.  Kernels of
     derivatives (pressure, gradient) make nothing of a constant.  An ``invariant`` kernel depends
-    on differences of positions only, and may be asked with shifted ones.
+    on differences of positions only, and may be evaluated with shifted ones.
     """
 
     name: str

@@ -1,4 +1,4 @@
-"""A natural logarithm that compilers make vectors of, which they do not of the library's."""
+"""A natural logarithm that compilers can vectorise; they cannot vectorise that of the library."""
 
 from __future__ import annotations
 

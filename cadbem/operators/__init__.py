@@ -1,1 +1,1 @@
-"""Boundary integral operators: self, near and far interactions behind one face."""
+"""Boundary integral operators: self, near and far interactions behind one interface."""

@@ -1,5 +1,5 @@
-"""Where contributions of panels go: matrices of a kernel, potentials of given densities, or a
-record that gives potentials of any densities later."""
+"""Accumulators receive the contributions of panels: in matrices of a kernel, in potentials of given
+densities, or in a record that gives potentials of any densities later."""
 
 from __future__ import annotations
 
@@ -63,7 +63,7 @@ class Record:
 
     @property
     def negative(self) -> Record:
-        """A accumulator that takes away from the same record."""
+        """An accumulator that takes away from the same record."""
         return Record(-self.sign, self.kept)
 
     def pairs(self, rows: Index, first_u: Index, first_v: Index, values: Array) -> None:
@@ -71,7 +71,7 @@ class Record:
 
     @cached_property
     def _together(self) -> tuple[Index, Index, Index, Array] | None:
-        """All that is kept, summed: each function of a target once, as a pair with one function."""
+        """The sum of all entries: each function of a target once, as a pair with one function."""
         if not self.kept:
             return None
         rows, first_u, first_v, values = (np.concatenate(x) for x in zip(*self.kept, strict=True))

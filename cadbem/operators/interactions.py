@@ -111,7 +111,7 @@ def _add_close(
     _near(kernel, panels, targets, close, quadrature, accumulator)
 
 
-def mend(
+def correct_close_pairs(
     kernel: Kernel,
     panels: Panels,
     patch: int,
@@ -216,12 +216,12 @@ def _near(
     starts, gauss = np.empty(len(close_target) + 1, dtype=np.int64), near.gauss_table()
     pieces = quadrature.pieces(panels.lengths[close_panel], closest[2])
     curve = np.empty((p + 1, dim)) if dim == 2 else None
-    box, poles = (None, None) if dim == 2 else (WHOLE, panels.poles)
+    box, collapsed = (None, None) if dim == 2 else (WHOLE, panels.collapsed_sides)
     u, v, distance = map(np.ascontiguousarray, closest)
     done = 0
     while done < len(close_target):
         count = near.place_nodes(
-            panels.flat_nets, box, poles, close_panel, done, u, v, distance,
+            panels.flat_nets, box, collapsed, close_panel, done, u, v, distance,
             quadrature.tolerance, pieces, quadrature.order, gauss,
             starts, foot, curve, position, normal, weight, bu, bv,
         )  # fmt: skip

@@ -9,7 +9,7 @@ from itertools import product
 import numpy as np
 
 from cadbem.kernels.kernel import Kernel
-from cadbem.operators.accumulators import MatrixAccumulator
+from cadbem.operators.accumulators import MatrixAccumulator, PotentialAccumulator
 from cadbem.operators.interactions import Targets, interact
 from cadbem.operators.panels import Panels, split_patch
 from cadbem.operators.parallel import run_tasks
@@ -74,7 +74,7 @@ def mixed_columns(kernel: Kernel, entries: Array, single: Array, double: Array) 
 
 
 def collocation_targets(space: Space) -> Targets:
-    """The collocation points of a space as targets that know where they lie."""
+    """The collocation points of a space as targets, with their patches and parameters."""
     owner = np.repeat(np.arange(len(space.parameters)), np.diff(space.offsets))
     return Targets(space.collocation.position, owner, np.concatenate(space.parameters, axis=1))
 
@@ -91,6 +91,38 @@ def assemble_layers(kernel: Kernel, space: Space, targets: Targets, quadrature: 
 
     run_tasks(work, tasks(space, targets.count), "boundary integrals")
     return Layers(kernel, space, entries)
+
+
+def applied(
+    kernel: Kernel,
+    space: Space,
+    targets: Targets,
+    quadrature: Rules,
+    single: Array,
+    double: Array,
+) -> Array:
+    """S @ single + D @ double at targets for coefficients (components, F), without matrices.
+
+    On the boundary, principal values.  Only patches with densities cost anything: (rows, T).
+    """
+    active = [
+        task for task in tasks(space, targets.count)
+        if any(d[:, space.functions(task[0])].any() for d in (single, double))
+    ]  # fmt: skip
+    results = np.zeros((len(space.parameters), kernel.rows, targets.count))
+    layouts = kernel.single, kernel.double
+
+    def work(_: int, task: Task) -> None:
+        patch, panels, rows = task
+        shape, part = panels.surface.weights.shape, space.functions(patch)
+        densities = [np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)]
+        result = np.zeros((kernel.rows, rows.stop - rows.start))
+        accumulator = PotentialAccumulator(result, layouts, densities)
+        interact(kernel, panels, patch, targets.part(rows), quadrature, accumulator)
+        results[patch][:, rows] = result
+
+    run_tasks(work, active, "boundary integrals")
+    return results.sum(axis=0)
 
 
 def assemble_patch(

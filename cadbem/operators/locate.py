@@ -1,4 +1,4 @@
-"""Which points lie on the boundary, and where."""
+"""The search for points on the boundary, and for their parameters."""
 
 from __future__ import annotations
 

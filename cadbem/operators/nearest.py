@@ -28,7 +28,7 @@ OFF_POLE = 1e-6  # how near to a panel's edges its normal is asked for: some edg
 
 @dataclass(frozen=True, eq=False)
 class NearestPoints:
-    """For M points: the nearest point of the boundary, and the side from which it is seen.
+    """For M points: the nearest point of the boundary, and on which side of it they are.
 
     ``patch`` (M,) the number of its patch, -1 beyond reach; ``distance`` (M,), inf beyond reach;
     ``normal`` (dim, M) of the patch there, 0 beyond reach; ``before`` (M,) whether the point lies
@@ -56,7 +56,7 @@ class _Family:
 
 @dataclass(frozen=True, eq=False)
 class NearestSearch:
-    """What finds nearest points on a ``boundary``; built once, asked often.
+    """Search for nearest points on a ``boundary``; it is built once and used often.
 
     No point of a panel is farther from its nearest sample than the panel's ``cover``, so that only
     panels with a sample not much farther than the nearest one come into question.
@@ -156,7 +156,7 @@ class NearestSearch:
                 points, target[here], local, family.nets, family.squares, u, v, samples, found
             )
             sides = np.empty((len(points) + 1, len(here)))
-            _seen_from(points, target[here], local, family.nets, found, sides)
+            _sides_of_closest(points, target[here], local, family.nets, found, sides)
             distance[here], normal[:, here], cosine[here] = found[2], sides[:-1], sides[-1]
         return distance, normal, cosine
 
@@ -200,7 +200,7 @@ def _near_pairs(targets, centres, radii, samples, cover, reach, pairs):
 
 
 @compiled
-def _seen_from(targets, target_of, panel_of, nets, found, sides):
+def _sides_of_closest(targets, target_of, panel_of, nets, found, sides):
     """Normals, and the cosine between them and the way to the target, at closest points.
 
     ``found`` (3, pairs) as of ``closest_on_panels``; ``sides`` (dim + 1, pairs).

@@ -1,4 +1,4 @@
-"""From which distance on tensor rules are good enough for panels of any shape."""
+"""The distances from which on tensor rules are accurate enough for panels of any shape."""
 
 from __future__ import annotations
 

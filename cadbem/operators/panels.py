@@ -90,7 +90,7 @@ class Panels:
         return open_squares(self.flat_nets)
 
     @cached_property
-    def poles(self) -> Index | None:
+    def collapsed_sides(self) -> Index | None:
         """Sides that are points: see ``collapsed_sides``."""
         return collapsed_sides(self.flat_nets)
 
@@ -103,7 +103,7 @@ class Panels:
         return np.maximum(u, v)
 
     def levels(self, position: Array, reaches: Array) -> NDArray[np.int8]:
-        """How many of the ``reaches`` (J, E) each pair may be nearer than: (T, E).
+        """The number of ``reaches`` (J, E) that may exceed the distance of each pair: (T, E).
 
         Points (dim, T) are taken for nearer than they are: by the ball around a panel.
         """
@@ -282,7 +282,7 @@ def _bernstein_tables(degree: int, order: int) -> tuple[Array, Array]:
 
 @compiled
 def ball_levels(targets, centres, bounds, level):
-    """How many of the ``bounds`` (J, E) each target's distance to each centre stays below.
+    """The number of ``bounds`` (J, E) that exceed the distance of each target to each centre.
 
     ``targets`` (dim, T), ``centres`` (dim, E); into ``level`` (T, E).
     """

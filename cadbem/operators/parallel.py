@@ -76,5 +76,5 @@ def _exhaust(numbers: Iterable[int]) -> None:
 
 @lru_cache(maxsize=1)
 def _libraries() -> ThreadpoolController:
-    """What controls the threads of linear algebra; finding the libraries takes a while."""
+    """The controller of the threads of linear algebra; the search for the libraries is slow."""
     return ThreadpoolController()

@@ -1,7 +1,7 @@
 """Potentials of given densities at fixed targets, as often as densities change.
 
-What depends on geometry alone is found once: the tensor rule of each panel, which panels are too
-close to a target for it, and what their functions give there instead.  An application then sums the
+What depends on geometry alone is computed once: the tensor rule of each panel, the pairs that are
+too close for it, and the accurate integrals of those pairs.  An application then sums the
 kernel over all nodes and adds these corrections.
 """
 
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Kernel, Sums
 from cadbem.operators.accumulators import PotentialAccumulator, Record
-from cadbem.operators.interactions import Targets, interact, mend
+from cadbem.operators.interactions import Targets, correct_close_pairs, interact
 from cadbem.operators.layers import Task, tasks
 from cadbem.operators.orders import reaches
 from cadbem.operators.panels import Nodes, Panels, tensor_nodes
@@ -47,7 +47,7 @@ class Potentials:
             densities = [
                 np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
             ]
-            accumulator = self._sink(
+            accumulator = self._accumulator(
                 np.zeros((self.kernel.rows, rows.stop - rows.start)), densities
             )
             if self.kernel.sums is None:
@@ -61,7 +61,7 @@ class Potentials:
         run_tasks(work, self._tasks, "fields")
         return results.sum(axis=0)
 
-    def _sink(self, result: Array, densities: Sequence[Array]) -> PotentialAccumulator:
+    def _accumulator(self, result: Array, densities: Sequence[Array]) -> PotentialAccumulator:
         return PotentialAccumulator(result, (self.kernel.single, self.kernel.double), densities)
 
     @cached_property
@@ -76,7 +76,9 @@ class Potentials:
         def work(k: int, task: Task) -> None:
             patch, panels, rows = task
             here, record = self.targets.part(rows), records[k]
-            mend(self.kernel, panels, patch, here, self.quadrature, record, record.negative)
+            correct_close_pairs(
+                self.kernel, panels, patch, here, self.quadrature, record, record.negative
+            )
 
         if self.kernel.sums is not None:
             run_tasks(work, self._tasks, "near fields")
@@ -119,7 +121,7 @@ class Potentials:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Those ``nodes`` of a patch that are ``chosen``, at ``position``, with ``normal`` (dim, N)."""
+    """The ``nodes`` of a patch that are ``chosen``, at ``position``, with ``normal`` (dim, N)."""
 
     nodes: Nodes
     chosen: NDArray[np.bool_]

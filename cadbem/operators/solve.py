@@ -1,4 +1,4 @@
-"""Linear systems of layers in which each patch mixes its unknowns in its own way."""
+"""Linear systems of single and double layer, with one combination of both on each patch."""
 
 from __future__ import annotations
 
@@ -42,6 +42,18 @@ class DenseFactors:
         # the factors are those of the transposed matrix, which saved a copy
         solution = lu_solve(self.factors, columns, trans=1)
         return Solved(solution[:count].reshape(*self.shape, *right.shape[2:]), solution[count:])
+
+    def solve_transposed(self, functionals: Array) -> Array:
+        """What errors of the equations do to linear functionals of the unknowns.
+
+        For ``functionals`` (M, components, F) the weights (M, rows, T) of the equations: the
+        transposed system's solutions.
+        """
+        columns = np.zeros((len(self.factors[1]), len(functionals)))
+        columns[: self.shape[0] * self.shape[1]] = functionals.reshape(len(functionals), -1).T
+        solution = lu_solve(self.factors, columns, trans=0)
+        rows = self.shape[0] * self.shape[1]
+        return solution[:rows].T.reshape(len(functionals), *self.shape)
 
 
 @dataclass(frozen=True, eq=False)

@@ -132,7 +132,8 @@ class Background:
 
 
 def split(condition: Condition, opening: Port | None, dimension: int) -> Split:
-    """What a condition means on a patch; ``opening`` for those that need a flat one."""
+    """The known and unknown parts of a condition on a patch; ``opening`` for those that need a flat
+    one."""
     none, all_ = np.zeros((dimension, dimension)), np.eye(dimension)
     match condition:
         case NoSlip():

@@ -1,4 +1,4 @@
-"""What the equations of Stokes flow leave open or fulfil only roughly, and what makes up for it.
+"""Constraints for what the equations of Stokes flow leave open, or fulfil only approximately.
 
 f = n on a closed surface is a null vector of the single layer, for n·σ = n is a constant pressure
 behind the surface and nothing before it.  So where a surface's velocity is given all over, its

@@ -54,8 +54,8 @@ def rim(surfaces: Sequence[Nurbs]) -> list[Nurbs]:
     size = float(np.ptp(marks.reshape(-1, 2), axis=0).max())
     gaps = np.abs(marks[:, None] - marks[None]).max(axis=(2, 3))
     np.fill_diagonal(gaps, np.inf)
-    lonely = gaps.min(axis=1) > SAME * size
-    return [edge for edge, alone in zip(edges, lonely, strict=True) if alone]
+    unpaired = gaps.min(axis=1) > SAME * size
+    return [edge for edge, alone in zip(edges, unpaired, strict=True) if alone]
 
 
 def _mark(edge: Nurbs) -> Array:

@@ -1,4 +1,4 @@
-"""Which points lie in the fluid, and how far from its boundary."""
+"""The search for points in the fluid, and for their distance from the boundary."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The equations of Stokes flow in a boundary: what is given, what is sought, the linear system."""
+"""The equations of Stokes flow in a boundary: given data, unknowns, and the linear system."""
 
 from __future__ import annotations
 
@@ -146,7 +146,7 @@ class StokesEquations:
 
     @cached_property
     def splits(self) -> list[Split]:
-        """What is given and what is sought on each patch."""
+        """The given data and the unknowns on each patch."""
         return [
             split(self.conditions[p.name], self.openings.get(p.name), self.boundary.dimension)
             for p in self.boundary.patches
@@ -154,7 +154,7 @@ class StokesEquations:
 
     @cached_property
     def constraints(self) -> Constraints:
-        """What the equations leave open, or conserve only roughly.
+        """The constraints for what the equations leave open, or conserve only approximately.
 
         Inside each of ``given_bodies`` the pressure of all layers vanishes, to which f = n
         contributes 1; forces and torques do not depend on it, as ∫ n dS = ∫ x × n dS = 0.  In each

@@ -31,7 +31,7 @@ class HeatProblem(HeatEquations):
     """k ∇²φ + b = 0 in a ``boundary`` of curves or surfaces whose normals point into the body.
 
     ``conductivity`` k > 0; ``conditions`` one a name of the boundary; ``source`` b, heat per
-    volume and time, a number or a function of positions (dim, N) -> (N,), which is also asked
+    volume and time, a number or a function of positions (dim, N) -> (N,), which is also evaluated
     outside a body that is not convex.  ``storage`` as in ``StokesProblem``.  Raises
     ``ConditionError`` for a face without a condition, a condition without a face, a temperature
     that is left open, and, when solved, for a source that varies too fast, or radiation that finds
@@ -45,7 +45,7 @@ class HeatProblem(HeatEquations):
         return problem_overview(self).html()
 
     def solve(self) -> HeatSolution:
-        """Temperature and heat flux on the boundary, whence everything else follows.
+        """Temperature and heat flux on the boundary, from which all other fields follow.
 
         Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c its
         ``free_term``, q = -k ∂φ/∂n with n into the body.

@@ -71,7 +71,7 @@ HeatCondition = Temperature | HeatFlux | SurfaceExchange
 
 
 def split_heat(condition: HeatCondition, slope: float) -> Split:
-    """What a condition means on a patch.
+    """The known and unknown parts of a condition on a patch.
 
     Convection mixes φ and q.  Where there is radiation too, q = -slope φ + g with a positive
     ``slope`` of any size, and g remains to be found by Newton's method.

@@ -1,4 +1,4 @@
-"""The equations of steady heat conduction: what is given, its space and its layers."""
+"""The equations of steady heat conduction: given data, space and layers."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What can be asked of a solved heat conduction problem."""
+"""The solution of a heat conduction problem, and the fields and totals that follow from it."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Mixed boundary value problems, whatever the equation: what is given where, what is sought.
+"""Mixed boundary value problems of any equation: given data and unknowns on each patch.
 
 On each patch a *value* u (velocity, temperature) and a *flux* f (traction, heat flux) are split
 into known parts and an unknown q: u = u_known + U q, f = f_known + F q.
@@ -61,7 +61,7 @@ class MixedSystem:
 
     @property
     def free_term(self) -> float:
-        """What the double layer makes of constant values."""
+        """The free term: the double layer of constant values."""
         return self.layers.kernel.free_term
 
     def known(self) -> tuple[Array, Array]:
@@ -76,7 +76,7 @@ class MixedSystem:
 
     @cached_property
     def factors(self) -> DenseFactors | Iteration:
-        """What solves for the unknowns."""
+        """The factorised system."""
         single = [self.flux_factor * s.flux_mixing for s in self.splits]
         double = [s.value_mixing for s in self.splits]
         if isinstance(self.layers, CompressedLayers):

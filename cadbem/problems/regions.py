@@ -1,4 +1,4 @@
-"""The regions of fluid that a boundary holds, and whether given velocities let fluid pile up."""
+"""The regions of fluid in a boundary, and the check that given velocities conserve volume."""
 
 from __future__ import annotations
 

@@ -1,9 +1,10 @@
-"""What can be asked of a solved Stokes flow."""
+"""The solution of a Stokes flow, and the fields, forces and flow rates that follow from it."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,7 +15,9 @@ from cadbem.operators.potentials import Potentials
 from cadbem.points import moment
 from cadbem.problems.conditions import Background
 from cadbem.problems.equations import StokesEquations
+from cadbem.problems.estimates import Accuracy
 from cadbem.problems.mixed import patches_named, represent
+from cadbem.problems.stokes_accuracy import analyse
 from cadbem.problems.summary import flow_summary
 from cadbem.quadrature import Rules
 from cadbem.space import Field, Space
@@ -23,8 +26,8 @@ from cadbem.spline.basis import Array
 
 @dataclass(frozen=True, eq=False)
 class StokesSolution:
-    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, on top of
-    a ``background`` flow; the ``iterations`` that it took, 0 if solved at once."""
+    """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, added to
+    a ``background`` flow; the ``iterations`` of the solver, 0 for a direct one."""
 
     problem: StokesEquations
     velocity: Field
@@ -49,6 +52,14 @@ class StokesSolution:
     def space(self) -> Space:
         """Unknowns and collocation points."""
         return self.velocity.space
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """How wrong flow rates, mean pressures, forces and the velocity may be: see ``Accuracy``.
+
+        Raises ``ConditionError`` for a flow with bodies in it, or without a dense matrix.
+        """
+        return analyse(self.problem, self.velocity, self.traction, self.background).accuracy
 
     def velocity_at(self, points: ArrayLike, quadrature: Rules | None = None) -> Array:
         """Velocity (dim, M) at points (dim, M) in the fluid or on its boundary.
@@ -98,9 +109,7 @@ class StokesSolution:
     ) -> Array:
         single, double = self._densities(factor)
         quadrature = quadrature or self.problem.quadrature
-        return represent(
-            kernel, self.space, points, quadrature, single, double, on_patch, far_away
-        )
+        return represent(kernel, self.space, points, quadrature, single, double, on_patch, far_away)
 
     def _pressure_row(self, patch: int, *parameters: ArrayLike) -> Array:
         return self.surface_pressure(patch, *parameters)[None]

@@ -7,14 +7,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
+from cadbem.problems.adapting import MOST_POINTS, adapted
 from cadbem.problems.conditions import Background, Condition
 from cadbem.problems.equations import StokesEquations
+from cadbem.problems.estimates import Analysis
 from cadbem.problems.solution import StokesSolution
+from cadbem.problems.stokes_accuracy import Goal, analyse
 from cadbem.problems.summary import problem_overview
+from cadbem.quadrature import Quadrature, Rules
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
+QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
 SHARED = ("space", "surfaces", "regions", "openings", "layers", "inner_pressure", "constraints")
 
 
@@ -29,8 +35,8 @@ class StokesProblem(StokesEquations):
     matrix, ``Dense()`` or ``Compressed(tolerance)``; by default what suits the number of points.
 
     Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
-    drive no flow, given velocities that let in more than out, a background within walls, unbounded
-    fluid in a plane (where a body that is pushed sets all of it in motion: Stokes' paradox), a
+    drive no flow, given velocities whose inflow and outflow differ, a background within walls,
+    unbounded fluid in a plane (which has no solution for a body under a force: Stokes' paradox), a
     viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
     made for another unit of length than the boundary's.
     """
@@ -41,18 +47,55 @@ class StokesProblem(StokesEquations):
     def _repr_html_(self) -> str:
         return problem_overview(self).html()
 
-    def solve(self) -> StokesSolution:
-        """Velocity and traction on the boundary, whence everything else follows.
+    def solve(
+        self,
+        accuracy: float | None = None,
+        *,
+        goal: Goal | None = None,
+        most_points: int = MOST_POINTS,
+    ) -> StokesSolution:
+        """Velocity and traction on the boundary, from which all other fields follow.
+
+        With an ``accuracy``, such as 1e-3, elements are chosen and refined by the program: it
+        starts from the patches as they are and goes on until the estimated errors are below
+        ``accuracy`` times the quantity's size.  Quantities are the flow rates and mean pressures
+        of openings, the forces on bodies, and the velocity in the mean square; or those of a
+        ``goal``: "wall shear" for the largest one, or points (dim, M) for the velocity there.
+        Beyond ``most_points`` it ends with an ``AccuracyWarning``.  Without an ``accuracy`` the
+        patches are the elements.
 
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
+        if accuracy is not None:
+            return self._adapted(accuracy, goal, most_points)
         known = self.known()
         background = self.background.velocity_at(self.space.collocation.position)
         within = -self.background.pressure_at(self.inner_points)
         others = len(self.constraints.fields) - len(within)
         solution = self._solution(known, background, np.concatenate([within, np.zeros(others)]))
         return replace(solution, background=self.background)
+
+    def _adapted(self, accuracy: float, goal: Goal | None, most_points: int) -> StokesSolution:
+        """The solution on refined elements."""
+        openings = self.openings
+
+        def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
+            finer = replace(self, boundary=boundary, quadrature=self._rules(accuracy))
+            vars(finer)["openings"] = openings  # the same rims, whatever the elements
+            solution = finer.solve()
+            fields = solution.velocity, solution.traction
+            return solution, analyse(finer, *fields, self.background, goal)
+
+        solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
+        vars(solution)["accuracy"] = analysis.accuracy
+        return solution
+
+    def _rules(self, accuracy: float) -> Rules:
+        """Integrals as accurate as an accuracy needs, if the user has not chosen."""
+        if self.quadrature != Quadrature():
+            return self.quadrature
+        return Quadrature(min(max(QUADRATURE_SHARE * accuracy, 1e-10), 1e-5))
 
     def with_data(self, conditions: Mapping[str, Condition]) -> StokesProblem:
         """The same problem with other data in some ``conditions`` of the same kinds.
@@ -73,10 +116,11 @@ class StokesProblem(StokesEquations):
         return other
 
     def reflection(self, induced: Array) -> StokesSolution:
-        """What the boundary adds to a flow that bodies make, with all given data zero.
+        """The flow that the boundary reflects of a flow that bodies induce, with all given data
+        zero.
 
-        ``induced`` (dim, T) is that flow at the collocation points, as it were without the
-        boundary.  The whole flow is the sum of ``solve()``, of this, and of what the bodies make;
+        ``induced`` (dim, T) is the induced velocity at the collocation points, as in unbounded
+        fluid.  The whole flow is the sum of ``solve()``, of this, and of the induced flow;
         its velocity on the boundary, which conserves mass, is that of both solutions.
         """
         zero = np.zeros((self.boundary.dimension, self.space.count))

@@ -1,4 +1,4 @@
-"""Rules on the unit circle and sphere for integrals over closed splines seen from their own points.
+"""Rules on the unit circle and sphere for integrals over closed splines at their own points.
 
 A smooth window η around the target splits an integral in two.  What is left outside it is as smooth
 as the surface, and an even grid integrates it: the trapezoidal rule in angles, Fejér's rule in the

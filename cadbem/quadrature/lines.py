@@ -1,7 +1,7 @@
 """Singular and nearly singular rules on curves, to either side of the closest point of a panel.
 
 ρ = d sinh(s) puts the nearest singularities to iπ/2 above the end of the range, which spares nodes;
-a target on the curve asks for a rule that holds the logarithm.
+a target on the curve needs a rule for the logarithm.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """Tables of nodes for pairs of a target and a panel that is close to it, or its own.
 
-Where the nodes lie say ``polar`` for surfaces, ``lines`` for curves, and ``uniform`` for the
-thesis's rules.
+The positions of the nodes come from ``polar`` for surfaces, from ``lines`` for curves, and from
+``uniform`` for the rules of the thesis.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from cadbem.compiled import compiled
 from cadbem.quadrature.gauss import MAX_ORDER, gauss_unit, log_unit
 from cadbem.quadrature.lines import evaluate_part, line_nodes, part_from
 from cadbem.quadrature.panels import area_vector, evaluate_panel, fill_bernstein, metric
-from cadbem.quadrature.polar import polar_nodes, pole_nodes
+from cadbem.quadrature.polar import collapsed_side_nodes, polar_nodes
 from cadbem.quadrature.uniform import thesis_nodes
 
 
@@ -32,14 +32,71 @@ def gauss_table():
 
 
 @compiled
+def _nodes_of_pair(
+    net, box, curve, collapsed, panel, k, u, v, distance,
+    tolerance, pieces, order, gauss, room, work,
+):  # fmt: skip
+    """Parameters and weights of the nodes for one pair into ``room``; returns their number, -1 if
+    there are too many."""
+    if curve is not None:
+        return line_nodes(net, u, distance, tolerance, gauss, room, work)
+    if pieces is not None and pieces[k] > 0:
+        return thesis_nodes(u, v, distance, order, pieces[k], gauss, room)
+    if collapsed is not None and collapsed[panel] >= 0:
+        side = collapsed[panel]
+        return collapsed_side_nodes(net, side, u, v, distance, tolerance, gauss, room, work)
+    if box is not None:
+        return polar_nodes(net, u, v, distance, box, tolerance, gauss, room, work)
+    return 0
+
+
+@compiled
+def _place_foot(net, curve, u, v, foot, work):
+    """The closest point into ``foot``; on a curve, prepare differences from it."""
+    lu, su, lv, sv, point, tu, tv = work
+    metric(net, u, v, lu, su, lv, sv, point, tu, tv)
+    for c in range(len(foot)):
+        foot[c] = point[c]
+    if curve is not None:
+        part_from(net, u, point, curve)
+
+
+@compiled
+def _fill_tables(
+    net, curve, u, foot, nodes, count, used, work, spare, position, normal, weight, bu, bv
+):
+    """The tables' entries from ``used`` on for the ``count`` nodes of one pair."""
+    lu, su, lv, sv, point, tu, tv = work
+    lp, unit = spare
+    p, q, dim = net.shape[0] - 1, net.shape[1] - 1, position.shape[0]
+    for m in range(count):
+        fill_bernstein(p, nodes[0, m], lu, su)
+        fill_bernstein(q, nodes[1, m], lv, sv)
+        w = evaluate_panel(net, lu, lv, su, sv, point, tu, tv)
+        if curve is not None:
+            evaluate_part(curve, u, nodes[0, m], w, lp, su, point)
+        else:
+            for c in range(dim):
+                point[c] -= foot[c]
+        weight[used + m] = nodes[2, m] * area_vector(tu, tv, unit) / w
+        for c in range(dim):
+            position[c, used + m] = point[c]
+            normal[c, used + m] = unit[c]
+        for i in range(p + 1):
+            bu[i, used + m] = lu[i]
+        for j in range(q + 1):
+            bv[j, used + m] = lv[j]
+
+
+@compiled
 def place_nodes(
-    nets, box, poles, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
+    nets, box, collapsed, panel_of, first, u, v, distance, tolerance, pieces, order, gauss,
     starts, foot, curve, position, normal, weight, bu, bv,
 ):  # fmt: skip
     """Fill node tables for pairs first, first + 1, ... until the tables are full.
 
     ``u``, ``v``, ``distance`` give each pair's closest point, whose place in space goes to
-    ``foot`` (dim, pairs).  Surfaces need ``box``, which is ``WHOLE``, and the panels' ``poles``
+    ``foot`` (dim, pairs).  Surfaces need ``box``, which is ``WHOLE``, and the panels' ``collapsed``
     (see ``collapsed_sides``); curves need room ``curve`` (p + 1, dim).  Where ``pieces`` (pairs,)
     is not 0, the thesis's rule of ``order`` on so many parts a direction replaces ours (on
     surfaces).  What of these is None is not compiled.  Tables: ``position``, relative to the foot,
@@ -51,46 +108,24 @@ def place_nodes(
     lu, su, lv, sv = np.empty(p + 1), np.empty(p + 1), np.empty(q + 1), np.empty(q + 1)
     point, tu, tv, unit = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
     work = (lu, su, lv, sv, point, tu, tv)
-    lp = np.empty(p + 1)
+    spare = np.empty(p + 1), unit
     nodes = np.empty((3, position.shape[1]))
     starts[0] = 0
-    used = done = count = 0
+    used = done = 0
     for k in range(first, len(panel_of)):
         net = nets[panel_of[k]]
         room = nodes[:, : position.shape[1] - used]
-        if curve is not None:
-            count = line_nodes(net, u[k], distance[k], tolerance, gauss, room, work)
-        elif pieces is not None and pieces[k] > 0:
-            count = thesis_nodes(u[k], v[k], distance[k], order, pieces[k], gauss, room)
-        elif poles is not None and poles[panel_of[k]] >= 0:
-            side = poles[panel_of[k]]
-            count = pole_nodes(net, side, u[k], v[k], distance[k], tolerance, gauss, room, work)
-        elif box is not None:
-            count = polar_nodes(net, u[k], v[k], distance[k], box, tolerance, gauss, room, work)
+        count = _nodes_of_pair(
+            net, box, curve, collapsed, panel_of[k], k, u[k], v[k], distance[k],
+            tolerance, pieces, order, gauss, room, work,
+        )  # fmt: skip
         if count < 0:
             break
-        metric(net, u[k], v[k], lu, su, lv, sv, point, tu, tv)
-        for c in range(dim):
-            foot[c, done] = point[c]
-        if curve is not None:
-            part_from(net, u[k], point, curve)
-        for m in range(count):
-            fill_bernstein(p, nodes[0, m], lu, su)
-            fill_bernstein(q, nodes[1, m], lv, sv)
-            w = evaluate_panel(net, lu, lv, su, sv, point, tu, tv)
-            if curve is not None:
-                evaluate_part(curve, u[k], nodes[0, m], w, lp, su, point)
-            else:
-                for c in range(dim):
-                    point[c] -= foot[c, done]
-            weight[used + m] = nodes[2, m] * area_vector(tu, tv, unit) / w
-            for c in range(dim):
-                position[c, used + m] = point[c]
-                normal[c, used + m] = unit[c]
-            for i in range(p + 1):
-                bu[i, used + m] = lu[i]
-            for j in range(q + 1):
-                bv[j, used + m] = lv[j]
+        _place_foot(net, curve, u[k], v[k], foot[:, done], work)
+        _fill_tables(
+            net, curve, u[k], foot[:, done], nodes, count, used, work, spare,
+            position, normal, weight, bu, bv,
+        )  # fmt: skip
         used += count
         done += 1
         starts[done] = used

@@ -1,4 +1,4 @@
-"""How accurately boundary integrals are computed."""
+"""The accuracy of boundary integrals: rules and orders for a tolerance."""
 
 from __future__ import annotations
 

@@ -88,6 +88,81 @@ def area_vector(tangent_u, tangent_v, normal):
 
 
 @compiled
+def _nearest_sample(targets, t, samples, sample_u, sample_v, bounds):
+    """Number of the nearest sample of a panel within bounds, and the square of its distance."""
+    best, square = 0, np.inf
+    low_u, high_u, low_v, high_v = bounds[0], bounds[1], bounds[2], bounds[3]
+    for s in range(samples.shape[0]):
+        if not (low_u <= sample_u[s] <= high_u and low_v <= sample_v[s] <= high_v):
+            continue
+        distance = 0.0
+        for c in range(targets.shape[0]):
+            gap = samples[s, c] - targets[c, t]
+            distance += gap * gap
+        if distance < square:
+            best, square = s, distance
+    return best, square
+
+
+@compiled
+def _approaching(value, step, low, high):
+    """A step of a parameter that only approaches a side that is a point."""
+    if low > 0.0:
+        step = max(step, -APPROACH * value)
+    if high < 1.0:
+        step = min(step, APPROACH * (1.0 - value))
+    return step
+
+
+@compiled
+def _shortened(net, u, v, step_u, step_v, targets, t, square, work):
+    """A step halved until the distance does not grow: whether it was found, u, v, and the square
+    of the distance."""
+    bu, du, bv, dv, point, tu, tv = work
+    scale = 1.0
+    new_u, new_v, distance = u, v, square
+    for _ in range(12):
+        new_u = min(max(u + scale * step_u, 0.0), 1.0)
+        new_v = min(max(v + scale * step_v, 0.0), 1.0)
+        fill_bernstein(net.shape[0] - 1, new_u, bu, du)
+        fill_bernstein(net.shape[1] - 1, new_v, bv, dv)
+        evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
+        distance = 0.0
+        for c in range(targets.shape[0]):
+            gap = point[c] - targets[c, t]
+            distance += gap * gap
+        if distance <= square:
+            return True, new_u, new_v, distance
+        scale *= 0.5
+    return False, new_u, new_v, distance
+
+
+@compiled
+def _descended(net, u, v, square, targets, t, bounds, work):
+    """Gauss-Newton from u, v: the parameters of the closest point, and the square of its
+    distance."""
+    bu, du, bv, dv, point, tu, tv = work
+    low_u, high_u, low_v, high_v = bounds[0], bounds[1], bounds[2], bounds[3]
+    for _ in range(30):
+        fill_bernstein(net.shape[0] - 1, u, bu, du)
+        fill_bernstein(net.shape[1] - 1, v, bv, dv)
+        evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
+        step_u, step_v = _step(u, v, point, tu, tv, targets, t)
+        step_u = _approaching(u, step_u, low_u, high_u)
+        step_v = _approaching(v, step_v, low_v, high_v)
+        accepted, new_u, new_v, distance = _shortened(
+            net, u, v, step_u, step_v, targets, t, square, work
+        )
+        if not accepted:
+            break
+        moved = abs(new_u - u) + abs(new_v - v)
+        u, v, square = new_u, new_v, distance
+        if moved < 1e-12:
+            break
+    return u, v, square
+
+
+@compiled
 def closest_on_panels(
     targets, target_of, panel_of, nets, squares, sample_u, sample_v, samples, result
 ):  # fmt: skip
@@ -103,64 +178,22 @@ def closest_on_panels(
     p, q, dim = nets.shape[1] - 1, nets.shape[2] - 1, targets.shape[0]
     bu, du = np.empty(p + 1), np.empty(p + 1)
     bv, dv = np.empty(q + 1), np.empty(q + 1)
-    point, tu, tv, trial = np.empty(dim), np.empty(dim), np.empty(dim), np.empty(dim)
+    work = (bu, du, bv, dv, np.empty(dim), np.empty(dim), np.empty(dim))
     for k in range(len(target_of)):
         e, t = panel_of[k], target_of[k]
         net = nets[e]
-        best, square = 0, np.inf
         low_u, high_u = squares[e, 0], squares[e, 1]
         low_v, high_v = squares[e, 2], squares[e, 3]
-        for s in range(samples.shape[1]):
-            if not (low_u <= sample_u[s] <= high_u and low_v <= sample_v[s] <= high_v):
-                continue
-            distance = 0.0
-            for c in range(dim):
-                gap = samples[e, s, c] - targets[c, t]
-                distance += gap * gap
-            if distance < square:
-                best, square = s, distance
+        best, square = _nearest_sample(targets, t, samples[e], sample_u, sample_v, squares[e])
         u, v = sample_u[best], sample_v[best]
-        for _ in range(30):
-            fill_bernstein(p, u, bu, du)
-            fill_bernstein(q, v, bv, dv)
-            evaluate_panel(net, bu, bv, du, dv, point, tu, tv)
-            step_u, step_v = _step(u, v, point, tu, tv, targets, t)
-            if low_u > 0.0:
-                step_u = max(step_u, -APPROACH * u)
-            if high_u < 1.0:
-                step_u = min(step_u, APPROACH * (1.0 - u))
-            if low_v > 0.0:
-                step_v = max(step_v, -APPROACH * v)
-            if high_v < 1.0:
-                step_v = min(step_v, APPROACH * (1.0 - v))
-            scale, accepted = 1.0, False
-            for _ in range(12):
-                new_u = min(max(u + scale * step_u, 0.0), 1.0)
-                new_v = min(max(v + scale * step_v, 0.0), 1.0)
-                fill_bernstein(p, new_u, bu, du)
-                fill_bernstein(q, new_v, bv, dv)
-                evaluate_panel(net, bu, bv, du, dv, trial, tu, tv)
-                distance = 0.0
-                for c in range(dim):
-                    gap = trial[c] - targets[c, t]
-                    distance += gap * gap
-                if distance <= square:
-                    accepted = True
-                    break
-                scale *= 0.5
-            if not accepted:
-                break
-            moved = abs(new_u - u) + abs(new_v - v)
-            u, v, square = new_u, new_v, distance
-            if moved < 1e-12:
-                break
+        u, v, square = _descended(net, u, v, square, targets, t, squares[e], work)
         u = 0.0 if u < low_u else (1.0 if u > high_u else u)
         v = 0.0 if v < low_v else (1.0 if v > high_v else v)
         result[0, k], result[1, k], result[2, k] = u, v, sqrt(square)
 
 
 def side_extents(nets: Array) -> Array:
-    """How long the sides v = 0, u = 1, v = 1, u = 0 of panels are: (4, E), the longest is 1."""
+    """Lengths (4, E) of the sides v = 0, u = 1, v = 1, u = 0 of panels; the longest is 1."""
     points = nets[..., :-1] / nets[..., -1:]
     sides = points[:, :, 0], points[:, -1], points[:, :, -1], points[:, 0]
     extents = np.stack([abs(side - side[:, :1]).max(axis=(1, 2)) for side in sides])

@@ -61,7 +61,7 @@ def _square(a, b):
 
 
 @compiled
-def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
+def collapsed_side_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
     """As ``polar_nodes`` for a panel with one side that is a point.
 
     Strips that halve towards the pole, down to the target's own distance from it, are ordinary
@@ -93,9 +93,15 @@ def pole_nodes(net, side, u, v, distance, tolerance, gauss, nodes, work):
         count += more
         far *= 0.5
     order = min(int(ceil(0.5 * (-log(tolerance) + 2.0))), MAX_ORDER)
+    return _tensor_nodes(_box(side, 0.0, far), order, gauss, nodes, count)
+
+
+@compiled
+def _tensor_nodes(box, order, gauss, nodes, count):
+    """Nodes of a tensor rule on a box, from ``count`` on; returns their number, -1 if too many."""
     if count + order * order > nodes.shape[1]:
         return -1
-    low_u, low_v, high_u, high_v = _box(side, 0.0, far)
+    low_u, low_v, high_u, high_v = box
     for i in range(order):
         for j in range(order):
             nodes[0, count] = low_u + (high_u - low_u) * gauss[0, order, i]
@@ -114,16 +120,10 @@ def polar_nodes(net, u, v, distance, box, tolerance, gauss, nodes, work):
     ``distance`` that of the target; 0 for a target on the panel.  Returns -1 when the capacity
     is too small.
     """
-    p, q = net.shape[0] - 1, net.shape[1] - 1
-    bu, du, bv, dv, point, tu, tv = work
-    e, f, g = metric(net, u, v, bu, du, bv, dv, point, tu, tv)
-    if e * g - f * f <= 1e-8 * e * g or e == 0.0 or g == 0.0:
-        e, f, g = metric(net, 0.5, 0.5, bu, du, bv, dv, point, tu, tv)
-    a, b = sqrt(e), f / sqrt(e)
-    c = sqrt(max(g - b * b, 1e-12 * g))
+    degree = max(net.shape[0], net.shape[1]) - 1
+    a, b, c = root = _metric_root(net, u, v, work)
     digits = -log(tolerance) + 2.0
     low_u, low_v, high_u, high_v = box
-    extra = (max(p, q) + 1) // 2
     count = 0
     for side in range(4):
         # corners counter-clockwise
@@ -131,38 +131,72 @@ def polar_nodes(net, u, v, distance, box, tolerance, gauss, nodes, work):
         u2, v2 = high_u if side < 2 else low_u, high_v if side % 3 else low_v
         x1, y1 = a * (u1 - u) + b * (v1 - v), c * (v1 - v)
         x2, y2 = a * (u2 - u) + b * (v2 - v), c * (v2 - v)
-        ex, ey = x2 - x1, y2 - y1
-        length = sqrt(ex * ex + ey * ey)
-        ex, ey = ex / length, ey / length
-        height = x1 * ey - y1 * ex
-        if height <= 1e-14 * length:
-            continue
-        fx, fy = x1 - (x1 * ex + y1 * ey) * ex, y1 - (x1 * ex + y1 * ey) * ey
-        t1, t2 = asinh((x1 * ex + y1 * ey) / height), asinh((x2 * ex + y2 * ey) / height)
-        m_t = _order(t2 - t1, digits, extra)
-        for i in range(m_t):
-            t = t1 + (t2 - t1) * gauss[0, m_t, i]
-            weight_t = (t2 - t1) * gauss[1, m_t, i] / cosh(t)
-            along, reach = height * sinh(t), height * cosh(t)
-            dir_x, dir_y = (fx + along * ex) / reach, (fy + along * ey) / reach
-            if distance > 0.0:
-                top = asinh(reach / distance)
-                m_r = _order(top, digits, extra)
-            else:
-                top = reach
-                m_r = min(max(p, q) + 2 + int(ceil(digits / 6.0)), MAX_ORDER)
-            if count + m_r > nodes.shape[1]:
-                return -1
-            for j in range(m_r):
-                s = top * gauss[0, m_r, j]
-                weight = weight_t * top * gauss[1, m_r, j]
-                rho = s
-                if distance > 0.0:
-                    rho = distance * sinh(s)
-                    weight *= distance * cosh(s)
-                step_v = rho * dir_y / c
-                nodes[0, count] = u + (rho * dir_x - b * step_v) / a
-                nodes[1, count] = v + step_v
-                nodes[2, count] = weight * rho / (a * c)
-                count += 1
+        edge = (x1, y1, x2, y2)
+        count = _triangle(edge, root, u, v, distance, degree, digits, gauss, nodes, count)
+        if count < 0:
+            return -1
+    return count
+
+
+@compiled
+def _metric_root(net, u, v, work):
+    """The triangular root a, b, c of the metric at a point: x = a du + b dv, y = c dv."""
+    bu, du, bv, dv, point, tu, tv = work
+    e, f, g = metric(net, u, v, bu, du, bv, dv, point, tu, tv)
+    if e * g - f * f <= 1e-8 * e * g or e == 0.0 or g == 0.0:
+        e, f, g = metric(net, 0.5, 0.5, bu, du, bv, dv, point, tu, tv)
+    a, b = sqrt(e), f / sqrt(e)
+    return a, b, sqrt(max(g - b * b, 1e-12 * g))
+
+
+@compiled
+def _triangle(edge, root, u, v, distance, degree, digits, gauss, nodes, count):
+    """Nodes in the triangle from the closest point to an ``edge`` (x1, y1, x2, y2), from ``count``
+    on; returns their number, -1 if too many."""
+    x1, y1, x2, y2 = edge
+    ex, ey = x2 - x1, y2 - y1
+    length = sqrt(ex * ex + ey * ey)
+    ex, ey = ex / length, ey / length
+    height = x1 * ey - y1 * ex
+    if height <= 1e-14 * length:
+        return count
+    fx, fy = x1 - (x1 * ex + y1 * ey) * ex, y1 - (x1 * ex + y1 * ey) * ey
+    t1, t2 = asinh((x1 * ex + y1 * ey) / height), asinh((x2 * ex + y2 * ey) / height)
+    extra = (degree + 1) // 2
+    m_t = _order(t2 - t1, digits, extra)
+    for i in range(m_t):
+        t = t1 + (t2 - t1) * gauss[0, m_t, i]
+        weight_t = (t2 - t1) * gauss[1, m_t, i] / cosh(t)
+        along, reach = height * sinh(t), height * cosh(t)
+        dir_x, dir_y = (fx + along * ex) / reach, (fy + along * ey) / reach
+        if distance > 0.0:
+            top = asinh(reach / distance)
+            m_r = _order(top, digits, extra)
+        else:
+            top = reach
+            m_r = min(degree + 2 + int(ceil(digits / 6.0)), MAX_ORDER)
+        if count + m_r > nodes.shape[1]:
+            return -1
+        ray = (weight_t, top, dir_x, dir_y)
+        count = _ray(ray, m_r, root, u, v, distance, gauss, nodes, count)
+    return count
+
+
+@compiled
+def _ray(ray, order, root, u, v, distance, gauss, nodes, count):
+    """Nodes along one ``ray``: its weight, the range of the radius, and its direction."""
+    weight_t, top, dir_x, dir_y = ray
+    a, b, c = root
+    for j in range(order):
+        s = top * gauss[0, order, j]
+        weight = weight_t * top * gauss[1, order, j]
+        rho = s
+        if distance > 0.0:
+            rho = distance * sinh(s)
+            weight *= distance * cosh(s)
+        step_v = rho * dir_y / c
+        nodes[0, count] = u + (rho * dir_x - b * step_v) / a
+        nodes[1, count] = v + step_v
+        nodes[2, count] = weight * rho / (a * c)
+        count += 1
     return count

@@ -1,6 +1,6 @@
 """The thesis's rules: uniform subdivision for close targets, plain polar coordinates for own ones.
 
-They are here for comparison; ``cadbem.quadrature.near`` is better at any distance.
+They serve for comparison; ``cadbem.quadrature.near`` is more accurate at any distance.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Runs kept in folders, restarted and read back."""
+"""Runs that are stored in folders, continued, and read back."""
 
 from cadbem.results.folder import RunFolder, run_folder
 from cadbem.results.render import render

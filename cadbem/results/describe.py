@@ -1,4 +1,4 @@
-"""A value of nested frozen dataclasses as flat text, to tell whether two runs ask for the same."""
+"""A value of nested frozen dataclasses as flat text, to compare the definitions of two runs."""
 
 from __future__ import annotations
 
@@ -80,7 +80,7 @@ def _array(values: np.ndarray) -> str:
 
 
 def first_difference(old: Mapping[str, str], new: Mapping[str, str]) -> str:
-    """What differs first, as 'name: old, now new'; empty when nothing does."""
+    """The first difference, as 'name: old, now new'; empty when there is none."""
     for name in [*new, *(n for n in old if n not in new)]:
         before, now = old.get(name, "nothing"), new.get(name, "nothing")
         if before != now:

@@ -40,7 +40,7 @@ class Writing:
         self._file = h5py.File(self._memory, "w")
         return self._file
 
-    def __exit__(self, kind: object, *rest: object) -> None:
+    def __exit__(self, kind: object, *reference: object) -> None:
         self._file.close()
         if kind is None:
             write_whole(self._path, self._memory.getvalue())
@@ -55,7 +55,7 @@ def reading(path: Path) -> h5py.File:
 
 
 def write_state(place: h5py.Group, state: State) -> None:
-    """All that a state has, but its simulation."""
+    """Write a state, without its simulation."""
     for name in COUNTS:
         place.attrs[name] = getattr(state, name)
     place.attrs["left"] = json.dumps(state.left)
@@ -102,7 +102,7 @@ def write_fields(place: h5py.Group, fields: Fields) -> None:
 
 
 def read_fields(place: h5py.Group) -> dict[int, dict[str, Array]]:
-    """Those fields, beside which there are only the bodies' coordinates."""
+    """The fields that were written, by number and name of the body."""
     return {
         int(n): {k: v[:] for k, v in place[f"body_{n}"].items() if k != "coordinates"}
         for n in place.attrs["numbers"]
@@ -110,16 +110,16 @@ def read_fields(place: h5py.Group) -> dict[int, dict[str, Array]]:
 
 
 @dataclass(frozen=True, eq=False)
-class Rest:
-    """A body as it is drawn, to be put where its coordinates say: a ``shape``, and the ``centre``
-    about which a rigid one turns, None for a droplet."""
+class ReferenceShape:
+    """The shape of a body before its coordinates are applied: a ``shape``, and the ``centre`` about
+    which a rigid one turns, None for a droplet."""
 
     shape: Shape
     centre: Array | None = None
 
     @classmethod
-    def of(cls, body: Body) -> Rest:
-        """That of a droplet or particle."""
+    def of(cls, body: Body) -> ReferenceShape:
+        """The reference shape of a droplet or particle."""
         if isinstance(body, RigidParticle):
             return cls(body.shape, body.resistance.centre)
         return cls(body.shape)  # type: ignore[attr-defined]
@@ -134,23 +134,23 @@ class Rest:
         return self.shape.transformed(pose.matrix, pose.position - pose.matrix @ self.centre)
 
 
-def write_rest(place: h5py.Group, rest: Rest) -> None:
-    """A body as it is drawn."""
-    if isinstance(rest.shape, ClosedSpline):
-        place.attrs["degree"] = rest.shape.basis.degree
-        place["coefficients"] = rest.shape.coefficients
+def write_reference_shape(place: h5py.Group, reference: ReferenceShape) -> None:
+    """Write a reference shape."""
+    if isinstance(reference.shape, ClosedSpline):
+        place.attrs["degree"] = reference.shape.basis.degree
+        place["coefficients"] = reference.shape.coefficients
     else:
-        write_boundary(place, rest.shape)
-        place["centre"] = rest.centre
+        write_boundary(place, reference.shape)
+        place["centre"] = reference.centre
 
 
-def read_rest(place: h5py.Group) -> Rest:
-    """That body."""
+def read_reference_shape(place: h5py.Group) -> ReferenceShape:
+    """The reference shape that was written."""
     if "coefficients" in place:
         coefficients = place["coefficients"][:]
         basis = ClosedBasis(int(place.attrs["degree"]), coefficients.shape[1:])
-        return Rest(ClosedSpline(basis, coefficients))
-    return Rest(read_boundary(place), place["centre"][:])
+        return ReferenceShape(ClosedSpline(basis, coefficients))
+    return ReferenceShape(read_boundary(place), place["centre"][:])
 
 
 def write_boundary(place: h5py.Group, boundary: Boundary) -> None:
@@ -165,7 +165,7 @@ def write_boundary(place: h5py.Group, boundary: Boundary) -> None:
 
 
 def read_boundary(place: h5py.Group) -> Boundary:
-    """Those patches."""
+    """The boundary that was written."""
     patches = tuple(_patch(place[f"patch_{i}"]) for i in range(place.attrs["patches"]))
     return Boundary(patches, place.attrs["source"], place.attrs["unit"])
 

@@ -1,4 +1,4 @@
-"""The folder of a run: what was asked, what came out, and how it went."""
+"""The folder of a run: its manifest, its results, and its log."""
 
 from __future__ import annotations
 
@@ -11,19 +11,19 @@ from pathlib import Path
 from typing import Any
 
 from cadbem.errors import ResultsError
-from cadbem.files import fresh_folder, read_json, told, write_json, write_whole
+from cadbem.files import as_results_error, fresh_folder, read_json, write_json, write_whole
 from cadbem.progress import STAGES, notice
-from cadbem.results.manifest import asked_by
+from cadbem.results.manifest import manifest_of
 from cadbem.results.overview import folder_text
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
-ASKED, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
+MANIFEST, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
 
 
 @dataclass(frozen=True)
 class RunFolder:
-    """Where the results of a run go: ``folder / "picture.png"``; nothing is kept without a
+    """The folder of a run: ``folder / "picture.png"``; nothing is kept without a
     ``path``, and the folder then counts as false.  ``used`` are the parts that this process has."""
 
     path: Path | None
@@ -85,7 +85,7 @@ class RunFolder:
         """Add a line to log.txt, with the time of day."""
         STAGES.info("%s: %s", self, text)
         path = self / LOG
-        with told(path), path.open("a", encoding="utf-8") as log:
+        with as_results_error(path), path.open("a", encoding="utf-8") as log:
             log.write(f"{datetime.now():%Y-%m-%d %H:%M:%S}  {text}\n")
 
 
@@ -94,7 +94,7 @@ def run_folder(
 ) -> RunFolder:
     """Make the folder ``output`` for the results of the script that calls, "" for no results.
 
-    run.json says what was asked: the script with the arguments of the function that calls,
+    run.json is the manifest: the script with the arguments of the function that calls,
     versions, and the digests of the ``inputs``, files such as a CAD file.  ``resume`` takes up the
     folder of an earlier run.
 
@@ -105,29 +105,29 @@ def run_folder(
         return RunFolder(None)
     frame = inspect.currentframe()
     assert frame is not None and frame.f_back is not None
-    asked = asked_by(frame.f_back, inputs)
+    manifest = manifest_of(frame.f_back, inputs)
     path = Path(output)
     if resume:
-        return _resumed(path, asked)
-    folder = RunFolder(fresh_folder(path, ASKED))
-    write_json(path / ASKED, asked)
-    script = asked["script"]
+        return _resumed(path, manifest)
+    folder = RunFolder(fresh_folder(path, MANIFEST))
+    write_json(path / MANIFEST, manifest)
+    script = manifest["script"]
     if script:
         write_whole(path / "script.py", Path(script["file"]).read_bytes())
     folder.note("began")
     return folder
 
 
-def read_asked(path: Path) -> dict[str, Any]:
-    """What was asked of the run in a folder.  Raises ``ResultsError`` when it holds none."""
-    if not (path / ASKED).exists():
-        raise ResultsError(f"{path} holds no run: there is no {ASKED} in it")
-    return read_json(path / ASKED)
+def read_manifest(path: Path) -> dict[str, Any]:
+    """The manifest of the run in a folder.  Raises ``ResultsError`` when it holds none."""
+    if not (path / MANIFEST).exists():
+        raise ResultsError(f"{path} holds no run: there is no {MANIFEST} in it")
+    return read_json(path / MANIFEST)
 
 
-def _resumed(path: Path, asked: dict[str, Any]) -> RunFolder:
-    before = read_asked(path)
-    for old, new in zip(before["inputs"], asked["inputs"], strict=False):
+def _resumed(path: Path, manifest: dict[str, Any]) -> RunFolder:
+    before = read_manifest(path)
+    for old, new in zip(before["inputs"], manifest["inputs"], strict=False):
         if old["sha256"] != new["sha256"]:
             raise ResultsError(
                 f"{new['file']} has changed since the run in {path} began; start it anew in "
@@ -135,16 +135,16 @@ def _resumed(path: Path, asked: dict[str, Any]) -> RunFolder:
             )
     folder = RunFolder(path)
     folder.note("resumed")
-    for what in _changes(before, asked):
+    for what in _changes(before, manifest):
         folder.note(what)
         notice(f"{path}: {what}")
-    pauses = [*before.get("pauses", ()), {"went_on": asked["began"]}]
-    write_json(path / ASKED, asked | {"began": before["began"], "pauses": pauses})
+    pauses = [*before.get("pauses", ()), {"went_on": manifest["began"]}]
+    write_json(path / MANIFEST, manifest | {"began": before["began"], "pauses": pauses})
     return folder
 
 
 def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
-    """What is not as it was when the run began, and may matter."""
+    """The changes since the run began that may matter."""
     old, new = before["script"], now["script"]
     if old and new and old["sha256"] != new["sha256"]:
         yield f"{new['file']} has changed since the run began"

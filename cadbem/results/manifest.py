@@ -1,4 +1,4 @@
-"""What was asked for: the script and its arguments, versions, files with their digests."""
+"""The manifest of a run: the script and its arguments, versions, files with their digests."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from cadbem.errors import ResultsError
 LIBRARIES = ("cadbem", "gmsh", "numpy", "scipy", "numba", "pyvista", "h5py")
 
 
-def asked_by(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
+def manifest_of(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
     """The command that is carried out, else the function that calls: its file with the digest, its
     arguments that are numbers, words or truth values; versions, machine, time; the ``inputs`` with
     their digests."""

@@ -1,8 +1,8 @@
-"""A simulation's run kept in a folder while it goes on, from which it can go on after any end.
+"""The storage of a run in a folder while it goes on, from which it continues after any end.
 
 At each accepted step the frames that it completes are written, then the rows of the tables, and
-last the checkpoint, which says how many frames and bytes count.  What an interruption leaves beyond
-that is overwritten: a run loses at most the step that it was at.
+last the checkpoint, which says how many frames and bytes are valid.  What an interruption leaves
+beyond that is overwritten: a run loses at most the step that it was computing.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ from cadbem.files import (
 from cadbem.post.bodies.series import write_channel, write_frame, write_index
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
-    Rest,
+    ReferenceShape,
     Writing,
     read_checkpoint,
     read_state,
@@ -36,7 +36,7 @@ from cadbem.results.encode import (
     write_boundary,
     write_checkpoint,
     write_fields,
-    write_rest,
+    write_reference_shape,
     write_state,
 )
 from cadbem.results.series import body_rows, frame_of, run_row
@@ -45,7 +45,7 @@ from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
-ASKED, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
+DESCRIPTION, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
 FRAMES, PARAVIEW = "frames", "paraview"
 TABLES = ("run.csv", "bodies.csv")
 Note = Callable[[str], None]
@@ -58,7 +58,7 @@ def frame_file(folder: Path, index: int) -> Path:
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """The ``folder`` of one simulation's run, and who is told what happens, ``note``."""
+    """The ``folder`` of one simulation's run, and ``note``, which receives lines for the log."""
 
     folder: Path
     simulation: Simulation
@@ -90,7 +90,7 @@ class Store:
     def _rest(
         self, end: float, every: float | None, since: Checkpoint | None, progress: Progress
     ) -> Iterator[State]:
-        """What is still to be done."""
+        """The rest of the run: its steps after the checkpoint."""
         reached = since.state.time if since else 0.0
         started = time.process_time() - progress.seconds
         try:
@@ -114,10 +114,10 @@ class Store:
 
         Raises ``ResultsError`` when it was another simulation.
         """
-        asked = described(self.simulation) | {"every": repr(every)}
-        file, checkpoint = self.folder / ASKED, self.folder / CHECKPOINT
+        description = described(self.simulation) | {"every": repr(every)}
+        file, checkpoint = self.folder / DESCRIPTION, self.folder / CHECKPOINT
         if file.exists():
-            differs = first_difference(read_json(file), asked)
+            differs = first_difference(read_json(file), description)
             if differs:
                 raise ResultsError(
                     f"{self.folder} holds the run of something else ({differs}); go on with what "
@@ -126,20 +126,20 @@ class Store:
         if checkpoint.exists():
             with reading(checkpoint) as place:
                 return read_checkpoint(place, self.simulation), Progress.read(place)
-        self._begin(asked)
+        self._begin(description)
         return None
 
-    def _begin(self, asked: dict[str, str]) -> None:
+    def _begin(self, description: dict[str, str]) -> None:
         start, flow = self.simulation.start, self.simulation.flow
         make_folder(self.folder / FRAMES)
         with Writing(self.folder / SETUP) as place:
             if isinstance(flow, ChannelFlow):
                 write_boundary(place.create_group("channel"), flow.problem.boundary)
             for number, body in zip(start.numbers, start.bodies, strict=True):
-                write_rest(place.create_group(f"body_{number}"), Rest.of(body))
+                write_reference_shape(place.create_group(f"body_{number}"), ReferenceShape.of(body))
         if isinstance(flow, ChannelFlow):
             write_channel(self.folder / PARAVIEW, flow.problem.boundary)
-        write_json(self.folder / ASKED, asked)
+        write_json(self.folder / DESCRIPTION, description)
 
     def _frame(self, index: int) -> State:
         with reading(frame_file(self.folder, index)) as place:
@@ -170,7 +170,7 @@ class Store:
 
 @dataclass(frozen=True)
 class Progress:
-    """What counts of the files: the frames' ``times``, the ``columns`` of both tables and their
+    """The valid part of the files: the frames' ``times``, the ``columns`` of both tables and their
     ``sizes`` in bytes; CPU ``seconds`` spent."""
 
     times: tuple[float, ...] = ()
@@ -180,9 +180,7 @@ class Progress:
 
     def write(self, place: h5py.Group) -> None:
         place["times"] = self.times
-        place.attrs.update(
-            columns=json.dumps(self.columns), sizes=self.sizes, seconds=self.seconds
-        )
+        place.attrs.update(columns=json.dumps(self.columns), sizes=self.sizes, seconds=self.seconds)
 
     @classmethod
     def read(cls, place: h5py.Group) -> Progress:

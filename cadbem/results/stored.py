@@ -1,4 +1,4 @@
-"""A run read back from its folder, without the script that made it."""
+"""A run read back from its folder, without its script."""
 
 from __future__ import annotations
 
@@ -12,9 +12,15 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ResultsError
-from cadbem.files import told
+from cadbem.files import as_results_error
 from cadbem.post.fields.frames import Frame
-from cadbem.results.encode import Rest, read_boundary, read_fields, read_rest, reading
+from cadbem.results.encode import (
+    ReferenceShape,
+    read_boundary,
+    read_fields,
+    read_reference_shape,
+    reading,
+)
 from cadbem.results.overview import stored_text
 from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
 from cadbem.spline.basis import Array
@@ -38,16 +44,16 @@ class StoredRun:
             return read_boundary(place["channel"]) if "channel" in place else None
 
     @cached_property
-    def _rests(self) -> dict[int, Rest]:
+    def _reference_shapes(self) -> dict[int, ReferenceShape]:
         with reading(self.folder / SETUP) as place:
             bodies = [name for name in place if name.startswith("body_")]
-            return {int(name[5:]): read_rest(place[name]) for name in bodies}
+            return {int(name[5:]): read_reference_shape(place[name]) for name in bodies}
 
     def frame(self, index: int) -> Frame:
         """The bodies at one of the times, with their fields."""
         with reading(frame_file(self.folder, index)) as place:
             shapes = {
-                int(n): self._rests[int(n)].at(place[f"body_{n}/coordinates"][:])
+                int(n): self._reference_shapes[int(n)].at(place[f"body_{n}/coordinates"][:])
                 for n in place.attrs["numbers"]
             }
             return Frame(float(place.attrs["time"]), shapes, read_fields(place))
@@ -85,7 +91,7 @@ def open_run(path: str | Path) -> StoredRun:
 
 def _columns(file: Path, size: int) -> dict[str, Any]:
     """Columns by name: of numbers, not a number where empty, or of words."""
-    with told(file):
+    with as_results_error(file):
         content = file.read_bytes()[:size]
     rows = list(csv.reader(content.decode().splitlines()))
     if len(content) < size or len({len(row) for row in rows}) > 1:

@@ -147,7 +147,7 @@ def _blossom_step(degree: int, knots: Array, new_degree: int, new_knots: Array) 
 def _nearest_spans(
     degree: int, knots: Array, new_degree: int, new_knots: Array
 ) -> NDArray[np.int64]:
-    """For each new function, the old span that asks for the least extrapolation."""
+    """For each new function, the old span that needs the least extrapolation."""
     count = function_count(new_degree, new_knots)
     middles = np.empty(count)
     for i in range(count):

@@ -150,7 +150,7 @@ class ClosedBasis:
 
     @cached_property
     def _symbols(self) -> Array:
-        """Those of ``doubled`` coefficients, in the layout of ``rfftn``."""
+        """The symbols of ``doubled`` coefficients, in the layout of ``rfftn``."""
         last = self._symbol(self.shape[-1])[: self.shape[-1] // 2 + 1]
         return last if len(self.shape) == 1 else np.outer(self._symbol(2 * self.shape[0]), last)
 

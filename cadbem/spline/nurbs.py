@@ -237,7 +237,7 @@ def _binomial(key: tuple[int, ...], lower: tuple[int, ...]) -> int:
 
 
 def _missing(knots: Array, degree: int, places: Iterable[float]) -> list[float]:
-    """What must be inserted so that each place stands ``degree`` times."""
+    """The knots to insert so that each of the given ones has the multiplicity ``degree``."""
     wanted: list[float] = []
     for place in places:
         wanted += [place] * max(0, degree - int((knots == place).sum()))

@@ -174,6 +174,6 @@ def _turn(axis: int, quarters: int) -> Array:
 def _placed(
     patches: Sequence[Nurbs], semi_axes: Vector, centre: Vector, inwards: bool
 ) -> tuple[Nurbs, ...]:
-    """Patches of the unit sphere, normals outwards, stretched, moved and turned as asked."""
+    """Patches of the unit sphere, normals outwards, stretched, moved and turned."""
     placed = [p.transformed(np.diag(np.asarray(semi_axes, dtype=float)), centre) for p in patches]
     return tuple(p.swapped() for p in placed) if inwards else tuple(placed)

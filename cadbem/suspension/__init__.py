@@ -1,1 +1,1 @@
-"""Bodies that flow along: interfaces, droplets, their motion in time."""
+"""Droplets and rigid particles in a flow: their equations, contact, and motion in time."""

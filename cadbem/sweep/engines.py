@@ -1,4 +1,4 @@
-"""Who carries out the runs of a sweep: this machine's cores, or a cluster."""
+"""The execution of the runs of a sweep, on the cores of this machine or on a cluster."""
 
 from __future__ import annotations
 

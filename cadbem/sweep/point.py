@@ -30,7 +30,7 @@ class Point:
 
     @property
     def log(self) -> Path:
-        """What the run printed."""
+        """The file with all that the run printed."""
         return Path(f"{self.folder}.log")
 
     @property
@@ -40,12 +40,12 @@ class Point:
 
     @property
     def summary(self) -> dict[str, Any] | None:
-        """What the run found, None as long as it has not ended well."""
+        """The summary of the run, None as long as it is not complete."""
         return read_json(Path(self.folder, "summary.json")) if self.mark.exists() else None
 
     @property
     def command(self) -> list[str]:
-        """How it is run."""
+        """The command line of the run."""
         words = [sys.executable, "-m", "cadbem", "run", "--quiet", "--tied"]
         words += ["--cores", str(self.cores), self.script, *self.others]
         words += [f"--{name}={value}" for name, value in self.values.items()]
@@ -74,7 +74,7 @@ def run_point(values: dict[str, Any], stop: Event | None = None) -> str:
 
 
 def _ended(point: Point, code: int) -> str:
-    """What went wrong; marks a run that ended well."""
+    """Why the run failed, or an empty text; a run that did not fail is marked as complete."""
     if code < 0:
         return f"was killed by signal {-code}"
     if code:
@@ -92,9 +92,9 @@ def as_task(point: Point) -> dict[str, Any]:
 
 
 def _resumed(folder: Path) -> list[str]:
-    """The option to go on; a run that cannot is begun anew."""
-    asked = folder / "run.json"
-    if asked.exists() and "resume" in read_json(asked)["arguments"]:
+    """The option that continues a run; a run without that option begins again."""
+    manifest = folder / "run.json"
+    if manifest.exists() and "resume" in read_json(manifest)["arguments"]:
         return ["--resume"]
     shutil.rmtree(folder, ignore_errors=True)
     return []

@@ -19,7 +19,7 @@ from cadbem.sweep.point import Point
 from cadbem.sweep.report import draw_table, write_table
 from cadbem.sweep.values import parsed, points_of
 
-ASKED, TABLE, PLOT = "sweep.json", "table.csv", "sweep.png"
+DEFINITION, TABLE, PLOT = "sweep.json", "table.csv", "sweep.png"
 
 
 def begin_sweep(
@@ -38,8 +38,8 @@ def begin_sweep(
     swept, others = parsed(arguments)
     folder = Path(output)
     _check_options(Path(script), [*swept, *others])
-    fresh_folder(folder, ASKED)
-    asked = {
+    fresh_folder(folder, DEFINITION)
+    definition = {
         "script": str(Path(script).resolve()),
         "swept": swept,
         "others": others,
@@ -47,7 +47,7 @@ def begin_sweep(
         "jobs": jobs,
         "cluster": cluster,
     }
-    write_json(folder / ASKED, asked)
+    write_json(folder / DEFINITION, definition)
     return resume_sweep(folder)
 
 
@@ -57,10 +57,10 @@ def resume_sweep(
     """Run what is left of a sweep in a folder, by default with the ``jobs`` or on the ``cluster``
     that it was begun with; returns 0, or 1 if any run failed."""
     place = Path(folder)
-    asked = read_json(place / ASKED)
-    cluster = cluster or (None if jobs else asked["cluster"])
-    at_a_time = min(jobs or asked["jobs"] or CORES.get(), len(points_of(asked["swept"])))
-    points = _points(place, asked, 1 if cluster else max(1, CORES.get() // at_a_time))
+    definition = read_json(place / DEFINITION)
+    cluster = cluster or (None if jobs else definition["cluster"])
+    at_a_time = min(jobs or definition["jobs"] or CORES.get(), len(points_of(definition["swept"])))
+    points = _points(place, definition, 1 if cluster else max(1, CORES.get() // at_a_time))
     left = [point for point in points if point.summary is None]
     with locked(place):
         engine = on_a_cluster(left, cluster) if cluster else on_this_machine(left, at_a_time)
@@ -97,13 +97,14 @@ def _check_options(script: Path, options: Sequence[str]) -> None:
             raise CadbemError(f"{script} has no option {name}; it has {there}")
 
 
-def _points(place: Path, asked: dict[str, Any], cores: int) -> list[Point]:
-    values = points_of(asked["swept"])
-    digits, others, script = len(str(len(values))), tuple(asked["others"]), asked["script"]
+def _points(place: Path, definition: dict[str, Any], cores: int) -> list[Point]:
+    values = points_of(definition["swept"])
+    digits, others = len(str(len(values))), tuple(definition["others"])
+    script = definition["script"]
     if not Path(script).is_file():
         raise CadbemError(f"{script}: the script of the sweep in {place} is not there any more")
     folders = [str((place / f"run_{k:0{digits}d}").resolve()) for k in range(1, len(values) + 1)]
     return [
-        Point(folder, script, value, others, asked["start"], cores)
+        Point(folder, script, value, others, definition["start"], cores)
         for folder, value in zip(folders, values, strict=True)
     ]

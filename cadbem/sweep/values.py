@@ -1,4 +1,4 @@
-"""What a user writes for the values of a sweep."""
+"""The values of a sweep, read from the text that a user writes."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
-"""Numbers that are known exactly, or from elsewhere, computed again: ``cadbem verify``.
+"""Checks against exact and published numbers: ``cadbem verify``.
 
-A file a subject; each has ``checks()``, a tuple of ``Check`` values.
+There is one file for each subject; each has ``checks()``, a tuple of ``Check`` values.
 """
 
 from cadbem.verification.check import Check as Check

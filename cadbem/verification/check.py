@@ -1,4 +1,4 @@
-"""A number that must come out right, and whether it did."""
+"""A check: a number with its reference and tolerance, and its result."""
 
 from __future__ import annotations
 
@@ -14,9 +14,10 @@ from cadbem.progress import progress
 class Check:
     """``what`` is computed, in one line, and its ``place`` in the thesis, such as "Table 2.1".
 
-    ``compute`` gives the number; the ``reference`` is true, as its ``source`` tells; ``tolerance``
-    is the error allowed, relative to the reference, or absolute where that is 0.  ``printed`` is
-    the thesis's own value, which is shown but decides nothing; ``long`` checks take minutes.
+    ``compute`` gives the number; the ``reference`` is the true value, from a ``source``;
+    ``tolerance`` is the error allowed, relative to the reference, or absolute where that is 0.
+    ``printed`` is the thesis's own value, which is shown but decides nothing; ``long`` checks take
+    minutes.
     """
 
     place: str
@@ -42,7 +43,7 @@ class Check:
 
 @dataclass(frozen=True)
 class Result:
-    """What a ``check`` gave; ``trouble`` says why there is no number, if there is none."""
+    """The result of a ``check``; ``trouble`` says why there is no number, if there is none."""
 
     check: Check
     computed: float

@@ -139,7 +139,7 @@ def volume_lost_uncorrected(ratio: float) -> float:
 
 
 def refined_away(capillary: float, ratio: float) -> float:
-    """What more points, a higher degree and shorter steps change."""
+    """The change by more points, a higher degree and shorter steps."""
     coarse = sheared(capillary, ratio)
     fine = sheared(capillary, ratio, points=392, degree=6, tolerance=1e-5)
     return float(coarse.deformation[-1] - fine.deformation[-1])

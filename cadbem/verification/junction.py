@@ -66,7 +66,7 @@ def plan() -> list[np.ndarray]:
 
 
 def name_of(middle: np.ndarray) -> str:
-    """What the wall over an edge with this ``middle`` (2,) is called."""
+    """The name of the wall over an edge with this ``middle`` (2,)."""
     ports = {"inlet_a": INNER[0] + OUTER[0], "inlet_b": INNER[1] + OUTER[1]}
     near = [name for name, ends in ports.items() if np.allclose(middle, ends / 2)]
     return near[0] if near else "outlet" if np.isclose(middle[0], END[0]) else "walls"

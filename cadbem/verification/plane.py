@@ -130,7 +130,7 @@ def area_lost() -> float:
 
 
 def refined_away() -> float:
-    """What more points and a higher degree change, in the thesis's reading Ca = 1."""
+    """The change by more points and a higher degree, in the thesis's reading Ca = 1."""
     tension, free = thesis_tension_2d(1.0), FreeFlow(shear(dimension=2))
     coarse, fine = (
         run(free, Droplet(spline_circle(points=n, degree=p), tension), 10.0, 1e-5, 10.0)
@@ -140,7 +140,7 @@ def refined_away() -> float:
 
 
 def excess() -> float:
-    """What plates at ±16 add to D, times 16²."""
+    """The change of D by plates at ±16, times 16²."""
     droplet = Droplet(spline_circle(points=24), TENSION)
     bounded = run(between_plane_plates(16.0, parts=4), droplet, 8.0, 1e-5, 8.0)
     free = run(FreeFlow(shear(dimension=2)), droplet, 8.0, 1e-5, 8.0)

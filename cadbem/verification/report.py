@@ -25,6 +25,6 @@ def number(value: float | None) -> str:
 
 
 def summary(results: Sequence[Result]) -> str:
-    """How many passed, in one line."""
+    """The number of checks that passed, in one line."""
     failed = sum(not r.passed for r in results)
     return f"{len(results)} checks, {failed} failed" if failed else f"{len(results)} checks passed"

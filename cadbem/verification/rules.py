@@ -1,4 +1,4 @@
-"""Integrals over one surface as seen from one point: our rule, and the thesis's."""
+"""Integrals over one surface for one target: our rule, and that of the thesis."""
 
 from __future__ import annotations
 

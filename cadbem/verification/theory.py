@@ -1,4 +1,4 @@
-"""What theory says of droplets that are nearly round."""
+"""Formulas of theory for droplets that are nearly round."""
 
 from __future__ import annotations
 

@@ -1,4 +1,5 @@
-"""Where faces do not close: edges of one face only, of three, or that touch unjoined."""
+"""Defects of a shell: edges that belong to one face only or to three, and edges that coincide but
+are not joined."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Which of a file's solids, or which room in them, is the fluid."""
+"""The choice of the fluid: one of the solids of a file, or one of the cavities in them."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ class _Body:
 
 
 def room_of(fluid: int | str) -> str:
-    """What the kernel has to prepare: "solid", "all" or "void".
+    """The shape that the kernel has to prepare: "solid", "all" or "void".
 
     Raises CadError if `fluid` is neither a name nor a number from 1.
     """
@@ -78,7 +78,7 @@ def choose_fluid(
     faces: Sequence[BrepFace],
     fluid: int | str = "solid",
 ) -> Fluid:
-    """The faces that `fluid` (see `read_cad`) means, of all that `import_model` found for it.
+    """The faces that `fluid` (see `read_cad`) selects from those that `import_model` found.
 
     Raises CadError if there is no such solid, shell or void.
     """
@@ -134,8 +134,8 @@ class _Chooser:
         labels = solid_names(self.source, self._faces(), self.unit) if several else {}
         bodies = []
         for number, faces in self.solids.items():
-            told = Counter(labels[face.number] for face in faces if face.number in labels)
-            names = [name for name, _ in told.most_common(1)]
+            counts = Counter(labels[face.number] for face in faces if face.number in labels)
+            names = [name for name, _ in counts.most_common(1)]
             names.append(self.kernel.solids[number - 1].split("/")[-1])
             said = tuple(dict.fromkeys(name for name in names if not _UNSAID.fullmatch(name)))
             bodies.append(_Body(number, said, shells_of(faces)))

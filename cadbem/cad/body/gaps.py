@@ -1,4 +1,4 @@
-"""How far patches stray from the edges that their faces share."""
+"""Gaps: the distances of patches from the edges that their faces share."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A CAD file opened: its faces, names and unit, and what keeps them from enclosing a fluid."""
+"""An opened CAD file: its faces, their names, its unit, and what prevents a closed boundary."""
 
 from __future__ import annotations
 
@@ -68,7 +68,8 @@ class CadModel:
         return patches, covering.deviation / scale
 
     def relaxed(self, face: BrepFace, deviation: float, tolerance: float) -> list[str]:
-        """A line to warn with if a face's patches deviate (file's unit) by more than was asked."""
+        """A line to warn with if a face's patches deviate (file's unit) by more than the
+        tolerance."""
         size = size_of(face) / self.unit.millimetres
         if deviation <= tolerance * size:
             return []
@@ -115,7 +116,7 @@ class CadModel:
         return lines
 
     def defective_faces(self) -> dict[int, str]:
-        """What is wrong with faces that leave the surface open or ambiguous, by number."""
+        """The defects of faces that leave the surface open or ambiguous, by number."""
         reasons: dict[int, str] = {}
         for defect in find_defects(self.faces):
             place = self.place(defect.place() / self.unit.millimetres)

@@ -1,8 +1,8 @@
 """Faces as closed shells, each turned so that its normals point out of the material.
 
-Neighbours must run along their common edge in opposite directions; what is left, one sign for each
-shell, follows from the volume it encloses. So neither mirrored locations nor solids that a program
-wrote inside out do harm.
+Neighbours must run along their common edge in opposite directions. One sign for each shell remains,
+which follows from the volume that the shell encloses. So mirrored locations are read correctly, and
+solids that a program wrote inside out as well.
 """
 
 from __future__ import annotations

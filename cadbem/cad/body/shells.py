@@ -1,4 +1,4 @@
-"""How patches hang together: corners, edges that two of them share, and closed shells."""
+"""The topology of patches: corners, edges that two of them share, and closed shells."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What to warn about in units and sizes."""
+"""Warnings about units and sizes that are unlikely."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Patches as CAD files: the control nets themselves, with all digits, names and the unit."""
+"""Patches written as CAD files: control nets with all digits, names and the unit."""
 
 from __future__ import annotations
 

@@ -220,7 +220,7 @@ def _joined(rows: list[str], kind: str) -> str:
 
 
 def _product(writer: _Writer, name: str, context: str, shape: str) -> None:
-    """What every STEP file says about the part that a shape belongs to."""
+    """The entities of the product to which the shape belongs, as every STEP file has them."""
     schema = writer.add(
         "APPLICATION_CONTEXT('core data for automotive mechanical design processes')"
     )

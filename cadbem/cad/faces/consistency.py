@@ -1,7 +1,7 @@
-"""How well a file's vertices, edges and faces fit together.
+"""Consistency of vertices, edges and faces of a file.
 
-A vertex, an edge's curve, its curve in the face's parameters and the face's surface say the same
-thing more than once: if a digit of one of them is wrong, it contradicts the others.
+A vertex, an edge's curve, its curve in the face's parameters and the face's surface hold the same
+geometry more than once: if a digit of one of them is wrong, it contradicts the others.
 """
 
 from __future__ import annotations

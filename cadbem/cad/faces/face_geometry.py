@@ -1,4 +1,4 @@
-"""What a face of the CAD model looks like: its edges in space and in its surface's parameters."""
+"""The geometry of a face: its edges in space and in the parameters of its surface."""
 
 from __future__ import annotations
 

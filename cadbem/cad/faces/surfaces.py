@@ -116,16 +116,16 @@ def natural_domain(record: SurfaceRecord) -> tuple[Interval, Interval]:
     return (along, endless) if record.kind == EXTRUSION else (endless, along)
 
 
-def rough_lines(record: SurfaceRecord, box: tuple[Interval, Interval]) -> list[tuple[int, float]]:
+def kink_lines(record: SurfaceRecord, box: tuple[Interval, Interval]) -> list[tuple[int, float]]:
     """Lines (axis, parameter) inside a rectangle across which second derivatives may jump, where
     programs join the pieces of spline surfaces."""
     lines = []
     for axis, spline, along in splines_of(record):
         values, counts = multiplicities(unrolled_knots(spline, along))
-        rough = values[counts >= max(spline.degrees[along] - 1, 1)]
+        kinks = values[counts >= max(spline.degrees[along] - 1, 1)]
         low, high = box[axis]
         margin = 1e-6 * (high - low)
-        lines += [(axis, float(x)) for x in rough if low + margin < x < high - margin]
+        lines += [(axis, float(x)) for x in kinks if low + margin < x < high - margin]
     return lines
 
 

@@ -1,4 +1,4 @@
-"""The CAD kernel at work, in a process of its own: it may print, crash or hang.
+"""The child process in which the CAD kernel runs, as it may print, crash or hang.
 
 Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
 ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)
@@ -167,7 +167,7 @@ def _is_better(before: dict, after: dict, tolerance: float) -> bool:
 
 
 def _prepared(gmsh, room: str) -> dict:
-    """What is left of the file's shapes, or what they leave over: see the top of this file."""
+    """The file's shapes, or the box without them: see the top of this file."""
     solids = gmsh.model.getEntities(3)
     if room == "all" and len(solids) > 1:
         gmsh.model.occ.removeAllDuplicates()

@@ -1,4 +1,4 @@
-"""The box round a chip, from which the chip is taken to leave its room; part of `_child.py`."""
+"""The box around a chip; the channel is the box without the chip. Part of `_child.py`."""
 
 from __future__ import annotations
 
@@ -46,8 +46,8 @@ def _corners(gmsh, face: int) -> list[list[float]]:
 
 
 def _places(gmsh, face: int, box: list[float]) -> list[list[float]]:
-    """How far a face reaches: the ends of its box, or points on it where such boxes are too large,
-    as with splines."""
+    """Points that bound a face: the ends of its box, or points on it where such boxes are too
+    large, as with splines."""
     if gmsh.model.getType(2, face) in EXACT:
         return [list(box[:3]), list(box[3:])]
     low, high = gmsh.model.getParametrizationBounds(2, face)

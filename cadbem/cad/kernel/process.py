@@ -1,4 +1,4 @@
-"""Asking the CAD kernel, in a child process with a time limit."""
+"""Calls of the CAD kernel, in a child process with a time limit."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ from cadbem.spline.basis import Array
 
 @dataclass(frozen=True)
 class KernelModel:
-    """What the kernel made of a file; `brep` is its exact record, in millimetres.
+    """What the kernel found in a file; `brep` is its exact record, in millimetres.
 
     `solids` are the names of the solids, in the order of the record. `healed` says in words what
     was repaired, beyond joining faces within the file's digits. `box` (min and max corner, mm) is
-    the one that solids were taken from, () unless that was asked for; `flat` says which of its six
+    the one that solids were taken from, () unless that was requested; `flat` says which of its six
     sides are sides of the solids.
     """
 
@@ -147,7 +147,7 @@ def _crash_message(source: CadSource, code: int, log: tuple[str, ...]) -> str:
 
 
 def _noteworthy(output: str) -> tuple[str, ...]:
-    """Lines of the kernel's output that tell of trouble, without terminal colours."""
+    """Lines of the kernel's output that report errors, without terminal colours."""
     lines = [line.replace("\x1b[32;1m", "").replace("\x1b[0m", "") for line in output.splitlines()]
     labels = ("Error", "ERR", "Warning", "fail", "Fail")
     found = [_one_line(line) for line in lines if any(label in line for label in labels)]

@@ -1,1 +1,1 @@
-"""What a file says of its faces: entities in; names, layers and colours of faces out."""
+"""Labels of faces: entities of a file in; names, layers and colours of faces out."""

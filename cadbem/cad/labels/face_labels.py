@@ -1,4 +1,4 @@
-"""What a CAD file says beside its geometry: unit of length; names, layers, colours of faces."""
+"""Labels of the faces in a CAD file: names, layers and colours; and its unit of length."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def check_choice(names: str) -> None:
 
 
 def chosen(labels: dict[int, FaceLabel], names: str) -> dict[int, str]:
-    """What each face is called by "names", "layers" or "colours"; nameless ones are left out."""
+    """The label of each face by "names", "layers" or "colours"; faces without one are left out."""
     called = {number: getattr(label, CHOICES[names]) for number, label in labels.items()}
     return {number: name for number, name in called.items() if name}
 
@@ -145,7 +145,7 @@ def _agree(first: FaceLabel, second: FaceLabel, tolerance: float) -> bool:
 
 
 def _distance(first: FaceLabel, second: FaceLabel) -> float:
-    """How far apart the edges' middles are, per size of the face."""
+    """Distance of the edges' middles, relative to the size of the face."""
     if not len(first.middles) or not len(second.middles):
         return 0.0
     gaps = np.linalg.norm(first.middles[:, None] - second.middles, axis=2)

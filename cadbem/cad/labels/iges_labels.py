@@ -100,7 +100,7 @@ class IgesText:
         return self._header[14].removeprefix("'").strip().upper()
 
     def remarks(self) -> list[str]:
-        """What is wrong with the text, although it may be read."""
+        """Warnings about the text, which can be read nevertheless."""
         name, unit = _UNIT_NAMES.get(self._unit_name()), self.unit()
         if name is None or unit.assumed or _UNITS[name] == unit:
             return []

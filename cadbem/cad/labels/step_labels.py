@@ -57,7 +57,7 @@ class StepText:
         return next(iter(units.values()), Unit("mm", 1.0, assumed=True))
 
     def remarks(self) -> list[str]:
-        """What is wrong with the text, although it may be read."""
+        """Warnings about the text, which can be read nevertheless."""
         missing = dangling(self._entities)
         if not missing:
             return []

@@ -1,4 +1,4 @@
-"""Names of solids and shells in the text of a STEP file; the CAD kernel forgets most of them."""
+"""Names of solids and shells in the text of a STEP file; the CAD kernel loses most of them."""
 
 from __future__ import annotations
 

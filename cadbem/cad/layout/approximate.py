@@ -1,4 +1,4 @@
-"""Splines through points of a map of the unit square, as rich as a tolerance asks."""
+"""Splines that approximate a map of the unit square within a tolerance."""
 
 from __future__ import annotations
 

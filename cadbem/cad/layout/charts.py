@@ -1,7 +1,7 @@
-"""A face of the CAD model spread out in the plane, and the way back for four-sided parts of it.
+"""The map of a face to the plane, and the way back for four-sided parts of it.
 
-A plane face lies in the plane as it is, and its parts become patches whose edges are exact. Other
-faces are spread out by their surface's parameters, scaled by the mean lengths of the tangents so
+A plane face is only moved, and its parts become patches whose edges are exact. Other
+faces are mapped by the parameters of their surface, scaled by the mean lengths of the tangents so
 that angles and sizes are about those in space; parts that are not rectangles of parameters become
 splines through points of the surface, within a tolerance.
 """
@@ -24,7 +24,7 @@ from cadbem.cad.faces.face_geometry import (
     parameter_box,
     plane_of,
 )
-from cadbem.cad.faces.surfaces import rough_lines, surface_nurbs
+from cadbem.cad.faces.surfaces import kink_lines, surface_nurbs
 from cadbem.cad.kernel.brep import BrepFace, EdgeUse
 from cadbem.cad.kernel.brep_geometry import CurveRecord
 from cadbem.cad.layout.approximate import approximated
@@ -46,7 +46,6 @@ Lift = Callable[[Array], Array]  # (2, n) -> (3, n)
 @dataclass(frozen=True, eq=False)
 class PlaneChart:
     """Points O + x X + y Y of a plane; ∂u × ∂v of the face's surface is along X × Y."""
-
 
     regions: tuple[Region, ...]
     origin: Array
@@ -169,14 +168,14 @@ def _surface_chart(face: BrepFace) -> SurfaceChart | None:
     if region is None:
         return None
     regions = [region]
-    for axis, value in rough_lines(face.surface, box):
+    for axis, value in kink_lines(face.surface, box):
         regions = [part for r in regions for part in divided_along(r, axis, value * scale[axis])]
     return SurfaceChart(tuple(regions), face, surface, scale)
 
 
 def _trim(record: CurveRecord, use: EdgeUse) -> TrimmingCurve:
     first, last = use.interval if use.sign > 0 else use.interval[::-1]
-    return TrimmingCurve(record, first, last, is_pole=use.curve is None)
+    return TrimmingCurve(record, first, last, is_degenerate=use.curve is None)
 
 
 def _projected(record: CurveRecord | None, matrix: Array, shift: Array) -> CurveRecord:
@@ -224,19 +223,20 @@ def _closed(trims: list[TrimmingCurve], size: float, lift: Lift | None) -> Loop 
 
 
 def _bridge(start: Array, end: Array, size: float, lift: Lift | None) -> Loop | None:
-    """What is missing between two trims: nothing, a pole, or None if they do not meet."""
+    """The trims to insert between two trims: none, a degenerate edge, or None if they do not
+    meet."""
     if np.hypot(*(end - start)) <= JOINT * size:
         return ()
     if lift is None:
         return None
     gap = np.linalg.norm(np.diff(lift(np.stack([start, end], axis=1))))
-    return (line(start, end, is_pole=True),) if gap <= JOINT * size else None
+    return (line(start, end, is_degenerate=True),) if gap <= JOINT * size else None
 
 
 def _simple(trim: TrimmingCurve) -> TrimmingCurve:
     if not trim.is_straight:
         return trim
-    return line(trim.samples[:, 0], trim.samples[:, -1], trim.is_pole)
+    return line(trim.samples[:, 0], trim.samples[:, -1], trim.is_degenerate)
 
 
 def _ends(sides: tuple[Side, Side, Side, Side]) -> tuple[list[Array], list[Array]]:

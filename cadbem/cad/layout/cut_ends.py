@@ -13,7 +13,7 @@ from itertools import combinations
 
 import numpy as np
 
-from cadbem.cad.layout.region import Anchor, Region, distance
+from cadbem.cad.layout.region import BorderPoint, Region, distance
 from cadbem.spline.basis import Array
 
 FEET = 10  # nearest trims that a source is connected with
@@ -23,7 +23,7 @@ NEIGHBOURS = 4  # nearest holes of a hole between which cuts are tried
 
 
 @dataclass(frozen=True, eq=False)
-class Anchors:
+class BorderPoints:
     """Points of the border, as arrays (n,) unless said."""
 
     loop: np.ndarray
@@ -34,12 +34,12 @@ class Anchors:
     angle: Array  # interior
     to_joint: Array  # distance along the border to the trim's nearer end; inf at a joint
 
-    def anchor(self, index: int) -> Anchor:
-        return Anchor(int(self.trim[index]), float(self.fraction[index]))
+    def border_point(self, index: int) -> BorderPoint:
+        return BorderPoint(int(self.trim[index]), float(self.fraction[index]))
 
 
-def candidates(region: Region) -> tuple[Anchors, np.ndarray, np.ndarray]:
-    """Anchors, pairs (n, 2) of them, and which pairs separate holes."""
+def candidates(region: Region) -> tuple[BorderPoints, np.ndarray, np.ndarray]:
+    """Points of the border, pairs (n, 2) of them, and which pairs separate holes."""
     trim, fraction = _sources(region)
     sources = described(region, trim, fraction)
     count = len(trim)
@@ -59,8 +59,8 @@ def candidates(region: Region) -> tuple[Anchors, np.ndarray, np.ndarray]:
     return described(region, trim, fraction), pairs, separating
 
 
-def described(region: Region, trim: np.ndarray, fraction: Array) -> Anchors:
-    """Anchors at fractions of trims."""
+def described(region: Region, trim: np.ndarray, fraction: Array) -> BorderPoints:
+    """Points of the border at fractions of trims."""
     point, onward = np.empty((2, len(trim))), np.empty((2, len(trim)))
     angle, to_joint = np.full(len(trim), np.pi), np.full(len(trim), np.inf)
     for k in np.unique(trim):
@@ -73,7 +73,7 @@ def described(region: Region, trim: np.ndarray, fraction: Array) -> Anchors:
     joint = fraction == 0
     angle[joint] = region.angles[trim[joint]]
     onward[:, joint] = np.array([region.trims[k].directions[0] for k in trim[joint]]).T
-    return Anchors(region.owner[trim], trim, fraction, point, onward, angle, to_joint)
+    return BorderPoints(region.owner[trim], trim, fraction, point, onward, angle, to_joint)
 
 
 def _sources(region: Region) -> tuple[np.ndarray, Array]:
@@ -83,7 +83,7 @@ def _sources(region: Region) -> tuple[np.ndarray, Array]:
     return trim, np.concatenate([np.arange(n) / n for n in parts])
 
 
-def _feet(region: Region, sources: Anchors) -> list[tuple[int, Anchor]]:
+def _feet(region: Region, sources: BorderPoints) -> list[tuple[int, BorderPoint]]:
     """For each source the nearest points of trims about it, if between their ends."""
     squares, shares = distance(sources.point, region.segments), region.shares(sources.point)
     feet = []
@@ -95,15 +95,15 @@ def _feet(region: Region, sources: Anchors) -> list[tuple[int, Anchor]]:
                 continue
             stop = starts[k + 1] if k + 1 < len(starts) else squares.shape[1]
             segment = int(starts[k] + np.argmin(squares[index, starts[k] : stop]))
-            place = region.anchor(segment, float(shares[index, segment]))
+            place = region.border_point(segment, float(shares[index, segment]))
             if EDGE < place.fraction < 1 - EDGE:
                 feet.append((index, place))
     return _polished(region, sources, feet)
 
 
 def _polished(
-    region: Region, sources: Anchors, feet: list[tuple[int, Anchor]]
-) -> list[tuple[int, Anchor]]:
+    region: Region, sources: BorderPoints, feet: list[tuple[int, BorderPoint]]
+) -> list[tuple[int, BorderPoint]]:
     """Feet on curved trims moved to the curves' nearest points, by parabolas through three
     squared distances."""
     kept = [foot for foot in feet if region.trims[foot[1].trim].is_straight]
@@ -122,11 +122,11 @@ def _polished(
             move = np.where(bend > 0, 0.5 * width * (low - high) / np.where(bend > 0, bend, 1), 0)
             fraction = np.clip(fraction + np.clip(move, -2 * width, 2 * width), EDGE, 1 - EDGE)
             width *= 0.1
-        kept += [(i, Anchor(k, float(f))) for i, f in zip(index, fraction, strict=True)]
+        kept += [(i, BorderPoint(k, float(f))) for i, f in zip(index, fraction, strict=True)]
     return kept
 
 
-def _hits(region: Region, sources: Anchors) -> list[tuple[int, Anchor]]:
+def _hits(region: Region, sources: BorderPoints) -> list[tuple[int, BorderPoint]]:
     """Where rays end that continue the border into the region, or leave it at right angles."""
     hits = []
     for index, angle in enumerate(sources.angle):
@@ -149,7 +149,7 @@ def _ray_turns(angle: float) -> list[float]:
     return [angle - np.pi, np.pi, angle / 2]
 
 
-def _between_holes(region: Region) -> list[tuple[Anchor, Anchor]]:
+def _between_holes(region: Region) -> list[tuple[BorderPoint, BorderPoint]]:
     """Both ends of lines that pass between two holes: at right angles to their connection, and
     along and across the longest straight trim of the outer loop."""
     boxes = [np.concatenate([s.samples for s in loop], axis=1) for loop in region.loops[1:]]
@@ -157,7 +157,7 @@ def _between_holes(region: Region) -> list[tuple[Anchor, Anchor]]:
     sizes = np.array([0.5 * np.ptp(box, axis=1) for box in boxes])
     longest = max(region.loops[0], key=lambda s: s.length if s.is_straight else 0.0)
     axis = longest.directions[0]
-    pairs: list[tuple[Anchor, Anchor]] = []
+    pairs: list[tuple[BorderPoint, BorderPoint]] = []
     for i, j in combinations(range(len(boxes)), 2):
         step = centres[j] - centres[i]
         near = np.sort(np.linalg.norm(centres - centres[i], axis=1))

@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cadbem.cad.layout.cut_ends import Anchors, candidates
-from cadbem.cad.layout.region import Anchor, Region, distance
+from cadbem.cad.layout.cut_ends import BorderPoints, candidates
+from cadbem.cad.layout.region import BorderPoint, Region, distance
 from cadbem.spline.basis import Array
 
 NARROWEST = np.radians(12)  # angle between a cut and the border
@@ -27,26 +27,26 @@ INNER = np.array([0.3, 0.5, 0.7])  # where on a cut its room is measured
 
 @dataclass(frozen=True)
 class Cut:
-    first: Anchor
-    last: Anchor
+    first: BorderPoint
+    last: BorderPoint
     cost: float
 
 
 def best_cuts(region: Region, count: int) -> list[Cut]:
     """Up to `count` cuts, the cheapest first."""
-    anchors, pairs, separating = candidates(region)
+    ends, pairs, separating = candidates(region)
     if not len(pairs):
         return []
-    costs, lengths = _angle_costs(region, anchors, pairs, separating)
+    costs, lengths = _angle_costs(region, ends, pairs, separating)
     order = np.argsort(costs, kind="stable")
     order = order[np.isfinite(costs[order])]
     found: list[Cut] = []
     for batch in np.array_split(order, max(1, len(order) // BATCH)):
         if len(found) >= count and len(batch) and costs[batch[0]] > found[count - 1].cost:
             break
-        total = costs[batch] + _crowding(region, anchors, pairs[batch], lengths[batch])
+        total = costs[batch] + _crowding(region, ends, pairs[batch], lengths[batch])
         found += [
-            Cut(anchors.anchor(pairs[i, 0]), anchors.anchor(pairs[i, 1]), float(cost))
+            Cut(ends.border_point(pairs[i, 0]), ends.border_point(pairs[i, 1]), float(cost))
             for i, cost in zip(batch, total, strict=True)
             if np.isfinite(cost)
         ]
@@ -55,8 +55,8 @@ def best_cuts(region: Region, count: int) -> list[Cut]:
 
 
 def corner_cost(angle: Array) -> Array:
-    """How far a corner is from one, two or three right angles, in units of 60 degrees; corners
-    of three want another cut, and sharp ones are bad."""
+    """The difference of a corner from one, two or three right angles, in units of 60 degrees;
+    corners of three want another cut, and sharp ones are bad."""
     right, straight = np.abs(angle - np.pi / 2), np.abs(angle - np.pi)
     reflex = np.abs(angle - 1.5 * np.pi) + np.pi / 3
     cost = np.minimum(np.minimum(right, straight), reflex) / (np.pi / 3)
@@ -64,52 +64,52 @@ def corner_cost(angle: Array) -> Array:
 
 
 def right_angles(angle: Array) -> Array:
-    """How many right angles a corner holds: 1 up to 135 degrees, 2 up to 225, ..."""
+    """The number of right angles in a corner: 1 up to 135 degrees, 2 up to 225, ..."""
     return np.maximum(1, np.round(angle / (np.pi / 2)))
 
 
 def _angle_costs(
-    region: Region, anchors: Anchors, pairs: np.ndarray, separating: np.ndarray
+    region: Region, ends: BorderPoints, pairs: np.ndarray, separating: np.ndarray
 ) -> tuple[Array, Array]:
     """Cost (n,) of cuts by the angles that they make, and their lengths; inf if not possible."""
     p, q = pairs.T
-    step = anchors.point[:, q] - anchors.point[:, p]
+    step = ends.point[:, q] - ends.point[:, p]
     length = np.hypot(*step)
-    left, right = _parts(anchors, p, step), _parts(anchors, q, -step)
+    left, right = _parts(ends, p, step), _parts(ends, q, -step)
     cost = sum(corner_cost(part) for part in (*left, *right))
-    cost = cost - corner_cost(anchors.angle[p]) - corner_cost(anchors.angle[q])
+    cost = cost - corner_cost(ends.angle[p]) - corner_cost(ends.angle[q])
     cost = cost + LENGTH_COST * length / region.size
     if len(region.loops) == 1:
-        cost = cost + _corner_counts(region, anchors, pairs, left, right)
+        cost = cost + _corner_counts(region, ends, pairs, left, right)
     else:
-        same = anchors.loop[p] == anchors.loop[q]
+        same = ends.loop[p] == ends.loop[q]
         cost = cost + np.where(same, np.where(separating, SEPARATING, POCKET), JOINING)
     sharpest = np.min([*left, *right], axis=0)
-    sharpest = np.where(_at_pole(region, anchors)[pairs].any(axis=1), 0.0, sharpest)
+    sharpest = np.where(_at_degenerate_edge(region, ends)[pairs].any(axis=1), 0.0, sharpest)
     small = length < 1e-6 * region.size
     return np.where((sharpest < NARROWEST) | small, np.inf, cost), length
 
 
-def _at_pole(region: Region, anchors: Anchors) -> np.ndarray:
-    """Which anchors are ends of poles: all lines that leave from there are tangent in space."""
-    pole = np.array([trim.is_pole for trim in region.trims])
+def _at_degenerate_edge(region: Region, ends: BorderPoints) -> np.ndarray:
+    """Which border points are ends of degenerate edges: there all lines are tangent in space."""
+    degenerate = np.array([trim.is_degenerate for trim in region.trims])
     loops = range(len(region.loops))
-    before = np.concatenate([np.roll(pole[region.owner == k], 1) for k in loops])
-    return (anchors.fraction == 0) & (pole | before)[anchors.trim]
+    before = np.concatenate([np.roll(degenerate[region.owner == k], 1) for k in loops])
+    return (ends.fraction == 0) & (degenerate | before)[ends.trim]
 
 
-def _parts(anchors: Anchors, index: np.ndarray, step: Array) -> tuple[Array, Array]:
+def _parts(ends: BorderPoints, index: np.ndarray, step: Array) -> tuple[Array, Array]:
     """The angles in which a cut divides the corner where it starts: after the border's onward
     direction, and the rest; negative if the cut leaves the region."""
-    onward = anchors.onward[:, index]
+    onward = ends.onward[:, index]
     cross, dot = onward[0] * step[1] - onward[1] * step[0], (onward * step).sum(axis=0)
     first = np.arctan2(cross, dot) % (2 * np.pi)
-    return first, anchors.angle[index] - first
+    return first, ends.angle[index] - first
 
 
 def _corner_counts(
     region: Region,
-    anchors: Anchors,
+    ends: BorderPoints,
     pairs: np.ndarray,
     left: tuple[Array, Array],
     right: tuple[Array, Array],
@@ -117,10 +117,10 @@ def _corner_counts(
     """Cost of the numbers of right angles of both parts of a region without holes."""
     p, q = pairs.T
     surplus = 2 - right_angles(region.angles)
-    own = np.where(anchors.fraction == 0, surplus[anchors.trim], 0.0)
+    own = np.where(ends.fraction == 0, surplus[ends.trim], 0.0)
     before = np.concatenate([[0.0], np.cumsum(surplus)])
-    upto = before[anchors.trim + 1]  # of all joints up to the anchor, its own among them
-    position = anchors.trim + anchors.fraction
+    upto = before[ends.trim + 1]  # of all joints up to the point, its own among them
+    position = ends.trim + ends.fraction
     swap = position[p] > position[q]
     between = np.where(swap, upto[p] - own[p] - upto[q], upto[q] - own[q] - upto[p])
     around = before[-1] - between - own[p] - own[q]
@@ -135,9 +135,9 @@ def _count_cost(count: Array) -> Array:
     return CORNERS[index] + 0.3 * np.maximum(0, count - len(CORNERS) + 1) + 0.5 * (count < 0)
 
 
-def _crowding(region: Region, anchors: Anchors, pairs: np.ndarray, length: Array) -> Array:
+def _crowding(region: Region, ends: BorderPoints, pairs: np.ndarray, length: Array) -> Array:
     """Cost of passing close to the border; inf if a cut meets it between its ends."""
-    start, end = anchors.point[:, pairs[:, 0]], anchors.point[:, pairs[:, 1]]
+    start, end = ends.point[:, pairs[:, 0]], ends.point[:, pairs[:, 1]]
     cost = np.where(_meets(region, start, end, length), np.inf, 0.0)
     free = np.flatnonzero(np.isfinite(cost))
     if not len(free):
@@ -146,7 +146,7 @@ def _crowding(region: Region, anchors: Anchors, pairs: np.ndarray, length: Array
     room = distance(inner.reshape(2, -1), region.segments).min(axis=1).reshape(len(free), -1)
     cost[free] += np.maximum(0, 1 - room.min(axis=1) / (ROOM * length[free]))
     for side in (0, 1):
-        near = anchors.to_joint[pairs[free, side]]
+        near = ends.to_joint[pairs[free, side]]
         cost[free] += np.maximum(0, 1 - near / (ROOM * length[free]))
     return cost
 

@@ -1,4 +1,4 @@
-"""A region of the plane divided into four-sided parts, few and well shaped.
+"""The division of a plane region into few, well-shaped four-sided parts.
 
 A region with four corners whose inside is well covered by the Coons map of its sides is a part.
 Others are divided: by a pattern (a star round the middle for three corners, a core with four
@@ -29,7 +29,7 @@ MOST_PARTS = 400
 
 @dataclass(eq=False)
 class _Search:
-    """How many more regions may be cut while looking for better ways."""
+    """The number of regions that may still be cut in the search for better divisions."""
 
     trials: int
 

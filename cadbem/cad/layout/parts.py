@@ -1,4 +1,4 @@
-"""Four-sided parts of a region: their sides, and how well these are blended inside."""
+"""Four-sided parts of a region: their sides, and the quality of the Coons map inside."""
 
 from __future__ import annotations
 
@@ -28,8 +28,8 @@ class Part:
 
     @property
     def patches(self) -> int:
-        """How many smooth patches it becomes: it is cut where trims of a side meet, or where an
-        arc passes a right angle."""
+        """The number of smooth patches of the part, which is cut where trims of a side meet, or
+        where an arc passes a right angle."""
         across = [np.concatenate([joints(self.sides[k]), 1 - joints(self.sides[k + 2])[::-1]])
                   for k in (0, 1)]  # fmt: skip
         counts = [1 + len(np.unique(np.round(at, 6))) for at in across]
@@ -59,7 +59,7 @@ def four_sided(loop: Loop) -> Part | None:
         return None
     ends = [*corners.tolist(), int(corners[0]) + len(loop)]
     sides = [tuple(loop[k % len(loop)] for k in range(a, b)) for a, b in pairwise(ends)]
-    if any(len(side) > 1 and any(trim.is_pole for trim in side) for side in sides):
+    if any(len(side) > 1 and any(trim.is_degenerate for trim in side) for side in sides):
         return None
     return part_of(sides)
 
@@ -139,5 +139,3 @@ def coons_points(borders: list[Array]) -> Array:
     low = (1 - xi) * south[:, :1, None] + xi * south[:, -1:, None]
     high = (1 - xi) * north[:, :1, None] + xi * north[:, -1:, None]
     return ruled - (1 - eta) * low - eta * high
-
-

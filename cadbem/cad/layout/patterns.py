@@ -1,4 +1,4 @@
-"""Ways to fill simple regions with parts round their middle, or round their only hole."""
+"""Patterns that fill simple regions with parts around their middle, or around their only hole."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 
 from cadbem.cad.layout.parts import CORNER, STRAIGHT, Part, Side, part_of
 from cadbem.cad.layout.region import (
-    Anchor,
+    BorderPoint,
     Loop,
     Region,
     between,
@@ -23,7 +23,7 @@ MOST_SPOKES = 8
 
 def patterns(region: Region) -> list[list[Part]]:
     """A core for at most three corners, a star for three, a ring for one hole."""
-    if any(trim.is_pole for trim in region.trims):
+    if any(trim.is_degenerate for trim in region.trims):
         return []  # spokes from its ends would touch there
     if len(region.loops) == 2:
         return [way for way in [_ring(*region.loops)] if way]
@@ -56,13 +56,15 @@ def _ring(outer: Loop, hole: Loop) -> list[Part]:
     return [part for part in parts if part] if all(parts) else []
 
 
-def _corners(loop: Loop) -> list[Anchor]:
+def _corners(loop: Loop) -> list[BorderPoint]:
     """Where a loop turns by more than a side may."""
     bends = np.abs(interior_angles(loop) - np.pi)
-    return [Anchor(int(k), 0.0) for k in np.flatnonzero(bends > STRAIGHT)]
+    return [BorderPoint(int(k), 0.0) for k in np.flatnonzero(bends > STRAIGHT)]
 
 
-def _matched(outer: Loop, far: list[Anchor], inner: Loop, near: list[Anchor]) -> list[Anchor]:
+def _matched(
+    outer: Loop, far: list[BorderPoint], inner: Loop, near: list[BorderPoint]
+) -> list[BorderPoint]:
     """The inner corners in the order that makes spokes shortest."""
     a = np.array([outer[place.trim].samples[:, 0] for place in far])
     b = np.array([inner[place.trim].samples[:, 0] for place in near])
@@ -71,16 +73,16 @@ def _matched(outer: Loop, far: list[Anchor], inner: Loop, near: list[Anchor]) ->
     return [*near[shift:], *near[:shift]]
 
 
-def _facing(loop: Loop, other: Loop, corners: list[Anchor]) -> list[Anchor]:
+def _facing(loop: Loop, other: Loop, corners: list[BorderPoint]) -> list[BorderPoint]:
     """The points of a loop nearest to the corners of another."""
     region = Region((loop,))
     points = np.array([other[place.trim].samples[:, 0] for place in corners]).T
     segments = distance(points, region.segments).argmin(axis=1)
     shares = region.shares(points)[np.arange(len(segments)), segments]
-    return [region.anchor(int(s), float(f)) for s, f in zip(segments, shares, strict=True)]
+    return [region.border_point(int(s), float(f)) for s, f in zip(segments, shares, strict=True)]
 
 
-def _sides(loop: Loop, places: list[Anchor]) -> list[Side]:
+def _sides(loop: Loop, places: list[BorderPoint]) -> list[Side]:
     """The loop between successive places; [] if they do not follow each other once round."""
     at = np.array([place.trim + place.fraction for place in places])
     steps = np.diff([*at, at[0]]) % len(loop)

@@ -1,4 +1,4 @@
-"""How well a patch is shaped."""
+"""Quality of a patch: angles and ratios of area elements."""
 
 from __future__ import annotations
 

@@ -17,7 +17,7 @@ LEAST_PART = 1e-9  # share of a trim that is not cut off
 
 
 @dataclass(frozen=True)
-class Anchor:
+class BorderPoint:
     """A point of a region's border: number of the trim among all, fraction of it (below 1)."""
 
     trim: int
@@ -42,7 +42,7 @@ class Region:
 
     @cached_property
     def trims(self) -> Loop:
-        """Those of all loops, one loop after the other."""
+        """The trims of all loops, one loop after the other."""
         return tuple(trim for loop in self.loops for trim in loop)
 
     @cached_property
@@ -64,22 +64,20 @@ class Region:
     @cached_property
     def segment_curve(self) -> np.ndarray:
         """Number of each segment's trim."""
-        return np.repeat(
-            np.arange(len(self.trims)), [len(s.fractions) - 1 for s in self.trims]
-        )
+        return np.repeat(np.arange(len(self.trims)), [len(s.fractions) - 1 for s in self.trims])
 
     def shares(self, points: Array) -> Array:
         """Where on each segment (m) the nearest point to each of the points (2, n) is: (n, m)."""
         return _shares(points, self.segments)
 
-    def anchor(self, segment: int, share: float) -> Anchor:
+    def border_point(self, segment: int, share: float) -> BorderPoint:
         """The place at a share of a segment."""
         trim = int(self.segment_curve[segment])
         first = int(np.searchsorted(self.segment_curve, trim))
         low, high = self.trims[trim].fractions[segment - first : segment - first + 2]
-        return Anchor(trim, float(low + share * (high - low)))
+        return BorderPoint(trim, float(low + share * (high - low)))
 
-    def hit(self, point: Array, direction: Array) -> Anchor | None:
+    def hit(self, point: Array, direction: Array) -> BorderPoint | None:
         """Where a ray from a point meets the border first."""
         start, end = self.segments
         step = end - start
@@ -92,18 +90,18 @@ class Region:
         if not valid.any():
             return None
         best = int(np.argmin(np.where(valid, along, np.inf)))
-        return self.anchor(best, float(np.clip(share[best], 0, 1)))
+        return self.border_point(best, float(np.clip(share[best], 0, 1)))
 
-    def point(self, anchor: Anchor) -> Array:
-        return self.trims[anchor.trim].points(np.array([anchor.fraction]))[:, 0]
+    def point(self, place: BorderPoint) -> Array:
+        return self.trims[place.trim].points(np.array([place.fraction]))[:, 0]
 
-    def _place(self, anchor: Anchor) -> tuple[int, Anchor]:
-        """Loop of an anchor, and the same place numbered within the loop."""
-        loop = int(self.owner[anchor.trim])
+    def _place(self, place: BorderPoint) -> tuple[int, BorderPoint]:
+        """Loop of a border point, and the same point numbered within the loop."""
+        loop = int(self.owner[place.trim])
         first = int(np.searchsorted(self.owner, loop))
-        return loop, Anchor(anchor.trim - first, anchor.fraction)
+        return loop, BorderPoint(place.trim - first, place.fraction)
 
-    def cut(self, first: Anchor, last: Anchor) -> tuple[Region, ...]:
+    def cut(self, first: BorderPoint, last: BorderPoint) -> tuple[Region, ...]:
         """Divided by the straight line between two points of the border that see each other: two
         regions, or one if the line joins two loops."""
         there = line(self.point(first), self.point(last))
@@ -121,7 +119,7 @@ class Region:
         return _divided(pair, others)
 
 
-def turned(loop: Loop, place: Anchor) -> Loop:
+def turned(loop: Loop, place: BorderPoint) -> Loop:
     """The whole loop, starting at a place on it."""
     k = place.trim
     trim, rest = loop[k], (*loop[k + 1 :], *loop[:k])
@@ -130,7 +128,7 @@ def turned(loop: Loop, place: Anchor) -> Loop:
     return (trim.part(place.fraction, 1.0), *rest, trim.part(0.0, place.fraction))
 
 
-def between(loop: Loop, first: Anchor, last: Anchor) -> Loop:
+def between(loop: Loop, first: BorderPoint, last: BorderPoint) -> Loop:
     """The trims of a loop from one place to another."""
     k, stop = first.trim, last.trim
     if k == stop and first.fraction < last.fraction:
@@ -173,22 +171,22 @@ def divided_along(region: Region, axis: int, value: float) -> list[Region]:
     return [region]
 
 
-def _crossings(region: Region, axis: int, value: float) -> list[Anchor]:
+def _crossings(region: Region, axis: int, value: float) -> list[BorderPoint]:
     """Where the border passes a line on which a coordinate has a value."""
     tiny = 1e-9 * region.size
-    anchors = []
+    ends = []
     for k, trim in enumerate(region.trims):
         off = trim.samples[axis] - value
         if abs(off[0]) <= tiny:
-            anchors.append(Anchor(k, 0.0))
+            ends.append(BorderPoint(k, 0.0))
         off = np.where(np.abs(off) <= tiny, 0.0, off)
         for i in np.flatnonzero(off[:-1] * off[1:] < 0):
             low, high = trim.fractions[i : i + 2]
             at = brentq(lambda f, s=trim: s.points(np.array([f]))[axis, 0] - value, low, high)
-            anchors.append(Anchor(k, float(at)))
+            ends.append(BorderPoint(k, float(at)))
         for i in np.flatnonzero(off[1:-1] == 0):
-            anchors.append(Anchor(k, float(trim.fractions[i + 1])))
-    return anchors
+            ends.append(BorderPoint(k, float(trim.fractions[i + 1])))
+    return ends
 
 
 def region_of(loops: list[Loop]) -> Region | None:
@@ -235,7 +233,7 @@ def is_inside(point: Array, loop: Loop) -> bool:
 
 
 def _winding(point: Array, loop: Loop) -> float:
-    """Angle under which the loop is seen, 2 π if it runs round the point once."""
+    """Angle that the loop subtends at a point, 2 π if it runs round the point once."""
     points = np.concatenate([trim.samples for trim in loop], axis=1) - point[:, None]
     return float(turns(points).sum())
 

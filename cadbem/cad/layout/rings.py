@@ -1,4 +1,4 @@
-"""Plane curves put together to closed rings, and rings to regions."""
+"""Plane curves joined to closed rings, and rings to regions."""
 
 from __future__ import annotations
 
@@ -81,7 +81,8 @@ def polyline(curve: Nurbs) -> Array:
 
 
 def crossings(points: Array, place: Array) -> int:
-    """How often a ray from a place (2,) along x meets the line through points (2, n)."""
+    """The number of times that a ray from a point (2,) along x meets the line through points (2,
+    n)."""
     arms = points - place[:, None]
     a, b = arms[:, :-1], arms[:, 1:]
     crosses = (a[1] > 0) != (b[1] > 0)

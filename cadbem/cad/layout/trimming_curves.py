@@ -1,4 +1,4 @@
-"""Directed pieces of plane curves: what borders of faces and cuts through them are made of."""
+"""Directed pieces of plane curves, which form the borders of faces and the cuts through them."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ class TrimmingCurve:
     start: float
     end: float
     table: Table | None = None  # of a spline, shared by pieces of one curve
-    is_pole: bool = False  # it is a point of the face that is spread out
+    is_degenerate: bool = False  # it is a point of the face that is spread out
 
     def points(self, fractions: Array) -> Array:
         """Points (2, n)."""
@@ -94,7 +94,7 @@ class TrimmingCurve:
 
     def _piece(self, start: float, end: float) -> TrimmingCurve:
         shared = self._table if self.record.spline is not None else None
-        return TrimmingCurve(self.record, start, end, shared, self.is_pole)
+        return TrimmingCurve(self.record, start, end, shared, self.is_degenerate)
 
     def nurbs(self) -> Nurbs:
         """The same as an exact NURBS curve, in the trim's direction."""
@@ -111,8 +111,8 @@ class TrimmingCurve:
         if self.is_straight and other.is_straight:
             a, b, c, d = *self.samples[:, [0, -1]].T, *other.samples[:, [0, -1]].T
             off = abs(angle_between(b - a, d - c)), abs(angle_between(b - a, d - a))
-            one = max(off) < COLLINEAR and self.is_pole == other.is_pole
-            return line(a, d, self.is_pole) if one else None
+            one = max(off) < COLLINEAR and self.is_degenerate == other.is_degenerate
+            return line(a, d, self.is_degenerate) if one else None
         same = self.record is other.record and (self.end > self.start) == (other.end > other.start)
         gap = other.start - self.end
         if self.record.kind in (CIRCLE, ELLIPSE):
@@ -208,10 +208,10 @@ class TrimmingCurve:
         return joined
 
 
-def line(start: Array, end: Array, is_pole: bool = False) -> TrimmingCurve:
+def line(start: Array, end: Array, is_degenerate: bool = False) -> TrimmingCurve:
     """The straight trim between two points of the plane."""
     record = CurveRecord(LINE, np.array([start, end - start]))
-    return TrimmingCurve(record, 0.0, 1.0, is_pole=is_pole)
+    return TrimmingCurve(record, 0.0, 1.0, is_degenerate=is_degenerate)
 
 
 def turns(steps: Array) -> Array:

@@ -1,7 +1,7 @@
 """The text of an IGES file (version 5.3) taken apart into sections, and checked on the way.
 
-Lines are numbered, counted at the end, and refer to each other, which tells of lines that are
-missing, doubled or in disorder; the CAD kernel reads on in silence.
+Lines are numbered, counted at the end, and refer to each other; so lines that are missing, doubled
+or in disorder are found. The CAD kernel gives no message in such cases.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The text of a CAD file, looked at before the kernel sees it."""
+"""The text of a CAD file, checked before the kernel reads it."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def _check_numbers(source: CadSource) -> None:
         line = text.count("\n", 0, bad.start()) + 1
         raise CadError(
             f"{source.name}: '{bad[0].strip()}' near line {line} is not a finite number; "
-            "mend the model and export it again"
+            "repair the model and export it again"
         )
 
 

@@ -1,4 +1,4 @@
-"""Whether numbers in a file can be a spline's: the kernel may crash on others or make them up."""
+"""Checks of the numbers of splines in a file; with wrong ones the kernel may crash or guess."""
 
 from __future__ import annotations
 

@@ -1,7 +1,7 @@
 """The text of a STEP file (ISO 10303-21) taken apart into entities, and checked on the way.
 
-The CAD kernel repairs damaged text in silence, or runs on for ever; so whatever is not written
-as the standard says ends here.
+The CAD kernel repairs damaged text without a message, or does not end; so text that the standard
+does not allow is refused here.
 """
 
 from __future__ import annotations

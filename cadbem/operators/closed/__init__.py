@@ -1,1 +1,1 @@
-"""Layers of a closed spline: its nodes in; what it does to itself and to points near it out."""
+"""Layers of a closed spline: its nodes in; its layers on itself and at points near it out."""

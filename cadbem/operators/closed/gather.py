@@ -57,7 +57,7 @@ def gather(spline, first_row, row_values, first_column, column_values, weights,
 
 @dataclass(frozen=True, eq=False)
 class NearTable:
-    """Splines' values at the polar nodes of one row of targets, and the grid nodes to mend."""
+    """Splines' values at the polar nodes of one row of targets, and the grid nodes to correct."""
 
     row_first: Index
     row_values: Array

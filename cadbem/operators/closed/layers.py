@@ -35,7 +35,7 @@ THREADS_FROM = 400  # points from which threads are worth starting
 
 @dataclass(frozen=True, eq=False)
 class ClosedOperator:
-    """What the layers of every spline on one basis share: grids, nodes and tables."""
+    """The data that all splines on one basis share: grids, nodes and tables."""
 
     basis: ClosedBasis
     rule: SelfRule = PolarRule()
@@ -135,7 +135,7 @@ class ClosedOperator:
         return self.by_rows(row, self.tables)
 
     def by_rows(self, task: Callable, items: Sequence) -> list:
-        """Results of a task for each row of targets, on all cores if that pays."""
+        """Results of a task for each row of targets, on all cores if there are enough rows."""
         if self.basis.count < THREADS_FROM:
             return [task(item) for item in items]
         return in_shares(task, items)

@@ -1,7 +1,7 @@
-"""What windows around the nearest surface points change in an even grid's sums: sparse matrices.
+"""Window corrections of the sums over an even grid, for targets near a surface: sparse matrices.
 
 The fields at a window's nodes are linear in a density's spline coefficients and in its values at
-the grid's nodes, and so is what a layer makes of them at the target.
+the grid's nodes, and so is the value of a layer at the target.
 """
 
 from __future__ import annotations
@@ -31,8 +31,8 @@ class Windows:
     points: Array
 
     def apply(self, single: Array | None, double: Array | None) -> Array:
-        """What windows change (dim, W), for densities q J and u (dim, nodes) at the grid's nodes,
-        or none."""
+        """The window corrections (dim, W), for densities q J and u (dim, nodes) at the grid's
+        nodes, or none."""
         kernel, _ = stokes_kernels(len(self.points))
         out = np.zeros(self.points.shape)
         for layout, density in ((kernel.single, single), (kernel.double, double)):

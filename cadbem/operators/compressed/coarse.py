@@ -1,11 +1,13 @@
-"""A preconditioner on two levels: what is constant on large clusters is solved first.
+"""A preconditioner on two levels: a coarse problem of functions that are constant on large clusters
+is solved first.
 
 With the columns of Z constant on one cluster and zero elsewhere, and a preconditioner M of short
-reach, a right side r is solved roughly by
+reach, a right side r is solved approximately by
 
     Z c + M (r - A Z c),    (Zᵀ A Z) c = Zᵀ r,
 
-so that what travels through a long channel, above all pressure, need not wait for M.
+so that the pressure in a long channel converges in few iterations, in spite of the short reach of
+M.
 """
 
 from __future__ import annotations
@@ -30,20 +32,20 @@ GROUPS = 100  # clusters, at least, unless they were smaller than two leaves
 class TwoLevel:
     """See the top of this file.
 
-    ``group`` (F,) numbers the cluster of each unknown; ``made`` (rows × T, k) is A Z in 32 bits and
-    ``inverse`` (k, k) that of Zᵀ A Z, for k = components × clusters; ``near`` is M.
+    ``group`` (F,) numbers the cluster of each unknown; ``applied`` (rows × T, k) is A Z in 32 bits
+    and ``inverse`` (k, k) that of Zᵀ A Z, for k = components × clusters; ``near`` is M.
     """
 
     near: Overlapping
     group: Index
-    made: NDArray[np.float32]
+    applied: NDArray[np.float32]
     inverse: Array
 
     def solve(self, right: Array) -> Array:
-        """Unknowns (components, F), roughly, for a right side of the same shape."""
+        """Unknowns (components, F), approximately, for a right side of the same shape."""
         sums = [np.bincount(self.group, weights=row) for row in right]
         amounts = self.inverse @ np.concatenate(sums)
-        rest = right - (self.made @ amounts.astype(np.float32)).reshape(right.shape)
+        rest = right - (self.applied @ amounts.astype(np.float32)).reshape(right.shape)
         return self.near.solve(rest) + amounts.reshape(len(right), -1)[:, self.group]
 
 
@@ -51,7 +53,7 @@ def two_level(matrix: CompressedMatrix, positions: Array) -> TwoLevel:
     """The preconditioner of a matrix whose target i, at ``positions``[:, i], is unknown i's."""
     group, components = _groups(matrix.tree), matrix.mixed.unknowns
     count, size = int(group.max()) + 1, len(group)
-    made = np.empty((components * size, components * count), dtype=np.float32)
+    applied = np.empty((components * size, components * count), dtype=np.float32)
     sums = np.zeros((components * count, components * count))
     starts = range(0, components * count, COLUMNS)
     for low in progress(starts, "preconditioner"):
@@ -60,11 +62,11 @@ def two_level(matrix: CompressedMatrix, positions: Array) -> TwoLevel:
         for k in range(low, high):
             columns[k // count, group == k % count, k - low] = 1.0
         part = matrix.apply(columns)
-        made[:, low:high] = part.reshape(components * size, -1)
+        applied[:, low:high] = part.reshape(components * size, -1)
         for c in range(components):
             np.add.at(sums[c * count : (c + 1) * count, low:high], group, part[c])
     inverse = np.asarray(np.linalg.inv(sums), dtype=float)
-    return TwoLevel(overlapping(matrix, positions), group, made, inverse)
+    return TwoLevel(overlapping(matrix, positions), group, applied, inverse)
 
 
 def _groups(tree: Tree) -> Index:

@@ -1,4 +1,4 @@
-"""How a compressed matrix is made."""
+"""The construction of a compressed matrix."""
 
 from __future__ import annotations
 
@@ -10,8 +10,13 @@ import numpy as np
 
 from cadbem.kernels.kernel import Array, Index
 from cadbem.operators.compressed.clusters import Pairs, Tree, cluster, partition
-from cadbem.operators.compressed.cross import MixedKernel, Seen, cross_approximation, recompressed
-from cadbem.operators.compressed.matrix import Collect, CompressedMatrix, Spread
+from cadbem.operators.compressed.cross import (
+    MixedKernel,
+    PanelCluster,
+    cross_approximation,
+    recompressed,
+)
+from cadbem.operators.compressed.matrix import CompressedMatrix, SourceFactors, TargetFactors
 from cadbem.operators.compressed.near_blocks import NearAccumulator, NearBlocks
 from cadbem.operators.compressed.sources import PanelList, Sources, sources
 from cadbem.operators.interactions import Targets, interact_pairs
@@ -48,13 +53,13 @@ def compress(
     near = builder.near()
     for patch in np.nonzero(own.any(axis=(1, 2)))[0]:
         near.take(space, int(patch), own[patch])
-    spread, collect = builder.far()
-    return CompressedMatrix(mixed, tree, near, spread, collect)
+    source_factors, target_factors = builder.far()
+    return CompressedMatrix(mixed, tree, near, source_factors, target_factors)
 
 
 @dataclass(frozen=True, eq=False)
 class _Builder:
-    """What both parts of a compressed matrix are made from."""
+    """The data from which both parts of a compressed matrix are built."""
 
     mixed: MixedKernel
     unordered: PanelList
@@ -165,13 +170,13 @@ class _Builder:
         run_tasks(work, list(above.items()), "near interactions")
         return blocks
 
-    def far(self) -> tuple[list[Spread], list[Collect]]:
+    def far(self) -> tuple[list[SourceFactors], list[TargetFactors]]:
         """All crosses."""
         below: dict[int, list[int]] = {}
         for t, s in self.partition[0]:
             below.setdefault(s, []).append(t)
         jobs = sorted(below.items(), key=lambda job: -len(job[1]))
-        made: dict[int, tuple[Spread, list[Array]]] = {}
+        made: dict[int, tuple[SourceFactors, list[Array]]] = {}
 
         def work(k: int, job: tuple[int, list[int]]) -> None:
             made[k] = self._crosses(*job)
@@ -185,29 +190,29 @@ class _Builder:
                 first += len(left)
             made[k][1].clear()
         # one cluster after the other, so that never everything is there twice
-        collect = [self._collected(t, parts.pop(t)) for t in list(parts)]
-        return [made[k][0] for k in range(len(jobs))], collect
+        target_factors = [self._target_factors(t, parts.pop(t)) for t in list(parts)]
+        return [made[k][0] for k in range(len(jobs))], target_factors
 
-    def _crosses(self, s: int, near: list[int]) -> tuple[Spread, list[Array]]:
+    def _crosses(self, s: int, near: list[int]) -> tuple[SourceFactors, list[Array]]:
         """Crosses of a cluster of panels with clusters of targets: their rows together, and one
         table of columns a cluster of targets."""
         levels = [self._level(t, s) for t in near]
-        seen = {level: self._seen(s, level) for level in set(levels)}
+        clusters = {level: self._panel_cluster(s, level) for level in set(levels)}
         lefts: list[Array] = []
         rights: list[Array] = []
         for t, level in zip(near, levels, strict=True):
             at = np.ascontiguousarray(self.targets.position[:, self.tree.items(t)])
-            crosses = cross_approximation(seen[level], at, self.tolerance)
+            crosses = cross_approximation(clusters[level], at, self.tolerance)
             left, right = recompressed(*crosses, self.tolerance)
             lefts.append(left.astype(self.dtype))
             rights.append(right.astype(self.dtype))
-        return Spread(self.functions_of(s), np.concatenate(rights)), lefts
+        return SourceFactors(self.functions_of(s), np.concatenate(rights)), lefts
 
-    def _collected(self, t: int, group: list[tuple[Array, Index]]) -> Collect:
+    def _target_factors(self, t: int, group: list[tuple[Array, Index]]) -> TargetFactors:
         """All crosses of a cluster of targets."""
         tables, crosses = zip(*group, strict=True)
         part = slice(self.tree.start[t], self.tree.stop[t])
-        return Collect(part, np.concatenate(tables), np.concatenate(crosses))
+        return TargetFactors(part, np.concatenate(tables), np.concatenate(crosses))
 
     @cached_property
     def _points(self) -> Sources:
@@ -222,12 +227,12 @@ class _Builder:
         """The first of the ``orders`` that is good enough between two clusters."""
         return int((self._reaches[:-1, s] > self._gap(t, s)).sum())
 
-    def _seen(self, s: int, level: int) -> Seen:
+    def _panel_cluster(self, s: int, level: int) -> PanelCluster:
         part = slice(self.panel_tree.start[s], self.panel_tree.stop[s])
         numbers = self.functions_of(s)
         flat, first = self.functions
         starts = first[part.start : part.stop + 1]
-        return Seen(
+        return PanelCluster(
             self.mixed,
             self._points.part(part),
             self._nodes[level].part(part),

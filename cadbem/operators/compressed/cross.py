@@ -1,15 +1,15 @@
-"""Adaptive cross approximation of what a cluster of panels does to a cluster of targets.
+"""Adaptive cross approximation of the block of a cluster of panels and a cluster of targets.
 
 A block K B of a mixed kernel K (targets × nodes) and a basis B (nodes × functions) becomes U V with
-few columns in U.  Crosses are chosen in K, between targets and a few points on each panel; what
-the row of a cross means for the functions is carried along, so that only rows are integrated:
+few columns in U.  Crosses are chosen in K, between targets and a few points on each panel; the row
+of each cross is integrated against the functions as well, so that only rows are integrated:
 
     row of target t:      r = K(t, points), s = K(t, nodes) B,
     column of a point p:  c = K(targets, p),
 
-each less what former crosses give there; then U gets the column c / r(p), V the row s.  (Bebendorf
-2000; points and functions side by side are as if the functions were more columns of the matrix,
-which are never asked for.)
+each minus the sum of the former crosses there; then U gets the column c / r(p), V the row s.
+(Bebendorf 2000; the functions are treated as further columns of the matrix, which are never
+computed.)
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ class MixedKernel:
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class PanelCluster:
     """A cluster of panels: its ``points`` for crosses and its ``nodes``, the ``patch`` (E,) of each
     panel, the panels' ``functions`` (numbers among the cluster's ``count``), flat, and where each
     panel's begin, ``function_first`` (E + 1,)."""
@@ -97,27 +97,29 @@ class Seen:
         return out.ravel()
 
 
-def cross_approximation(seen: Seen, targets: Array, tolerance: float) -> tuple[Array, Array]:
+def cross_approximation(
+    cluster: PanelCluster, targets: Array, tolerance: float
+) -> tuple[Array, Array]:
     """U (k, rows × T) and V (k, unknowns × F) with UᵀV ≈ the block, for targets (dim, T).
 
     It ends when the crosses of a whole target are smaller than ``tolerance`` times the largest.
     """
-    rows, count = seen.mixed.kernel.rows, targets.shape[1]
-    points = seen.mixed.unknowns * seen.points.position.shape[1]
+    rows, count = cluster.mixed.kernel.rows, targets.shape[1]
+    points = cluster.mixed.unknowns * cluster.points.position.shape[1]
     left = np.empty((FIRST_ROOM, rows * count))
-    right = np.empty((FIRST_ROOM, points + seen.mixed.unknowns * seen.count))
+    right = np.empty((FIRST_ROOM, points + cluster.mixed.unknowns * cluster.count))
     untried = np.ones(count, dtype=bool)
     target, largest, kept, done = count // 2, 0.0, 0, 0
     while untried.any():
         untried[target] = False
-        block = seen.row(np.ascontiguousarray(targets[:, target : target + 1]))
+        block = cluster.row(np.ascontiguousarray(targets[:, target : target + 1]))
         weight, largest_here = np.zeros(count), 0.0
         for i in range(rows):
             row = block[i] - left[:done, i * count + target] @ right[:done]
             pivot = int(abs(row[:points]).argmax())
             if row[pivot] == 0.0:
                 continue
-            column = seen.column(targets, pivot) - right[:done, pivot] @ left[:done]
+            column = cluster.column(targets, pivot) - right[:done, pivot] @ left[:done]
             column /= row[pivot]
             if done == len(left):
                 left, right = _doubled(left), _doubled(right)

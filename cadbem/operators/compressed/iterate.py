@@ -67,19 +67,19 @@ class Iteration:
 
     @cached_property
     def _schur(self) -> tuple[Array, Array]:
-        """Roughly solved fields (F, k), and the inverse of what is left for their factors."""
-        columns = [self._rough(column) for column in self._fields.T]
+        """Approximately solved fields (F, k), and the inverse of what is left for their factors."""
+        columns = [self._approximate(column) for column in self._fields.T]
         solved = np.reshape(columns, (len(self._rows), self.scale.size)).T
         inverse = np.asarray(np.linalg.inv(-self._rows @ solved), dtype=float)
         return solved, inverse
 
-    def _rough(self, right: Array) -> Array:
+    def _approximate(self, right: Array) -> Array:
         shape = self.matrix.mixed.kernel.rows, -1
         return self.preconditioner.solve(right.reshape(shape)).ravel()
 
     def _precondition(self, right: Array) -> Array:
         count = self.scale.size
-        unknowns = self._rough(right[:count])
+        unknowns = self._approximate(right[:count])
         solved, inverse = self._schur
         factors = inverse @ (right[count:] - self._rows @ unknowns)
         return np.concatenate([unknowns - solved @ factors, factors])
@@ -87,8 +87,8 @@ class Iteration:
     def _apply(self, values: Array) -> Array:
         count = self.scale.size
         unknowns, factors = values[:count], values[count:]
-        made = self.matrix.apply(unknowns.reshape(self.scale.shape)).ravel()
-        return np.concatenate([made + self._fields @ factors, self._rows @ unknowns])
+        product = self.matrix.apply(unknowns.reshape(self.scale.shape)).ravel()
+        return np.concatenate([product + self._fields @ factors, self._rows @ unknowns])
 
     def _solve(self, right: Array, constraints: Array) -> Solved:
         whole = np.concatenate([right.ravel(), self._weights * constraints])
@@ -102,16 +102,22 @@ class Iteration:
                 return self._apply(values)
 
             operator = LinearOperator((whole.size, whole.size), apply, dtype=float)
-            rough = LinearOperator(operator.shape, self._precondition, dtype=float)
+            preconditioner = LinearOperator(operator.shape, self._precondition, dtype=float)
             # flexible, for the preconditioner rounds to 32 bits
             values, failed = gcrotmk(
-                operator, whole, M=rough, rtol=self.tolerance, m=INNER, k=KEPT, maxiter=OUTER
+                operator,
+                whole,
+                M=preconditioner,
+                rtol=self.tolerance,
+                m=INNER,
+                k=KEPT,
+                maxiter=OUTER,
             )
         if failed:
             residual = np.linalg.norm(self._apply(values) - whole) / np.linalg.norm(whole)
             raise SolverError(
                 f"the flow did not converge: residual {residual:.1e} after {iterations} "
-                f"iterations, asked {self.tolerance:.1e}; take a finer grid, or storage=Dense()"
+                f"iterations, tolerance {self.tolerance:.1e}; take a finer grid, or storage=Dense()"
             )
         unknowns = values[: self.scale.size].reshape(self.scale.shape) * self.scale
         return Solved(unknowns, values[self.scale.size :], iterations)

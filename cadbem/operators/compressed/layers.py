@@ -8,22 +8,19 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.kernels.kernel import Array, Kernel
-from cadbem.operators.accumulators import PotentialAccumulator
 from cadbem.operators.compressed.coarse import two_level
 from cadbem.operators.compressed.compress import compress
 from cadbem.operators.compressed.cross import MixedKernel
 from cadbem.operators.compressed.iterate import Iteration
 from cadbem.operators.compressed.storage import Compressed, Storage, storage_for
-from cadbem.operators.interactions import interact
 from cadbem.operators.layers import (
     Layers,
+    applied,
     assemble_layers,
     assemble_patch,
     collocation_targets,
     mixed_columns,
-    tasks,
 )
-from cadbem.operators.parallel import run_tasks
 from cadbem.operators.solve import Border
 from cadbem.progress import stage
 from cadbem.quadrature import Rules
@@ -52,26 +49,7 @@ class CompressedLayers:
         Only patches with densities cost anything.
         """
         targets = collocation_targets(self.space)
-        active = [
-            task for task in tasks(self.space, self.count)
-            if any(d[:, self.space.functions(task[0])].any() for d in (single, double))
-        ]  # fmt: skip
-        results = np.zeros((len(self.space.parameters), self.kernel.rows, self.count))
-
-        def work(_: int, task: tuple) -> None:
-            patch, panels, rows = task
-            shape, part = panels.surface.weights.shape, self.space.functions(patch)
-            densities = [
-                np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)
-            ]
-            layouts = self.kernel.single, self.kernel.double
-            result = np.zeros((self.kernel.rows, rows.stop - rows.start))
-            accumulator = PotentialAccumulator(result, layouts, densities)
-            interact(self.kernel, panels, patch, targets.part(rows), self.quadrature, accumulator)
-            results[patch][:, rows] = result
-
-        run_tasks(work, active, "boundary integrals")
-        return results.sum(axis=0)
+        return applied(self.kernel, self.space, targets, self.quadrature, single, double)
 
     def columns(self, patch: int, single: Array, double: Array) -> Array:
         """Matrix (rows, T, k, n) of the map q -> S (single q) + D (double q) on one patch."""
@@ -106,8 +84,8 @@ class CompressedLayers:
         if border is None:
             fields = np.empty((0, self.kernel.rows, self.count))
             border = Border(np.empty((0, *scale.shape)), fields)
-        rough = two_level(matrix, self.space.collocation.position)
-        return Iteration(matrix, scale, border, rough, self.tolerance)
+        preconditioner = two_level(matrix, self.space.collocation.position)
+        return Iteration(matrix, scale, border, preconditioner, self.tolerance)
 
     def _spacings(self) -> list[float]:
         """Mean distance of collocation points on each patch."""

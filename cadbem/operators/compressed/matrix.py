@@ -22,7 +22,7 @@ from cadbem.operators.parallel import in_shares
 
 
 @dataclass(frozen=True, eq=False)
-class Spread:
+class SourceFactors:
     """Crosses of one cluster of panels: ``table`` (k, unknowns × F) for ``functions`` (F,)."""
 
     functions: Index
@@ -30,7 +30,7 @@ class Spread:
 
 
 @dataclass(frozen=True, eq=False)
-class Collect:
+class TargetFactors:
     """Crosses of one cluster of targets, ``part`` of all in the tree's order: ``table``
     (k, rows × T), and which of all crosses they are, ``crosses`` (k,)."""
 
@@ -46,14 +46,14 @@ class CompressedMatrix:
     mixed: MixedKernel
     tree: Tree
     near: NearBlocks
-    spread: Sequence[Spread]
-    collect: Sequence[Collect]
+    source_factors: Sequence[SourceFactors]
+    target_factors: Sequence[TargetFactors]
 
     @property
     def size(self) -> int:
         """Bytes that are kept."""
-        far = sum(s.table.nbytes for s in self.spread) + sum(c.table.nbytes for c in self.collect)
-        return far + self.near.entries.nbytes
+        tables = [s.table for s in self.source_factors] + [t.table for t in self.target_factors]
+        return sum(table.nbytes for table in tables) + self.near.entries.nbytes
 
     def apply(self, unknowns: Array) -> Array:
         """Values (rows, T[, M]) at the targets of coefficients (unknowns, F[, M])."""
@@ -64,23 +64,23 @@ class CompressedMatrix:
 
         crosses = np.concatenate(
             [np.empty((0, *many))]
-            + in_shares(lambda s: times(s.table, of(s.functions)), self.spread)
+            + in_shares(lambda s: times(s.table, of(s.functions)), self.source_factors)
         )
         rows, count = self.mixed.kernel.rows, len(self.tree.order)
         result = np.zeros((rows, count, *many))
 
-        def far(c: Collect) -> Array:
+        def far(c: TargetFactors) -> Array:
             return transposed_times(c.table, crosses[c.crosses]).reshape(rows, -1, *many)
 
         def near(b: int) -> Array:
             part = of(self.near.functions[b])
             return (self.near.matrix(b) @ part).reshape(rows, -1, *many)
 
-        for c, made in zip(self.collect, in_shares(far, self.collect), strict=True):
-            result[:, c.part] += made
+        for c, values in zip(self.target_factors, in_shares(far, self.target_factors), strict=True):
+            result[:, c.part] += values
         leaves = range(len(self.near.counts))
-        for part, made in zip(self._leaves, in_shares(near, leaves), strict=True):
-            result[:, part] += made
+        for part, values in zip(self._leaves, in_shares(near, leaves), strict=True):
+            result[:, part] += values
         ordered = np.empty_like(result)
         ordered[:, self.tree.order] = result
         return ordered

@@ -1,4 +1,4 @@
-"""Kernels whose layers each patch mixes in its own way: tables of a mixed kernel.
+"""Mixed kernels: on each patch, one linear combination of the single and the double layer.
 
 On a patch with mixing matrices F and U (components, unknowns), an unknown q acts by the kernel
 S F + D U.  Arrays ``mixing`` (patches, 2, components, unknowns) hold F and U.

@@ -1,4 +1,4 @@
-"""What panels do to targets near them: one dense block for each small cluster of targets."""
+"""Interactions of panels with targets near them: one dense block for each cluster of targets."""
 
 from __future__ import annotations
 
@@ -76,8 +76,8 @@ class NearBlocks:
 
 @dataclass(frozen=True, eq=False)
 class NearAccumulator:
-    """Adds what a patch does to near blocks: see ``Accumulator``; ``offset`` of the patch's
-    functions, of which ``columns`` make a row."""
+    """Adds the contributions of a patch to near blocks: see ``Accumulator``; ``offset`` of the
+    patch's functions, of which ``columns`` make a row."""
 
     blocks: NearBlocks
     patch: int

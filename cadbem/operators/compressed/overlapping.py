@@ -39,12 +39,12 @@ class Part:
 
 @dataclass(frozen=True, eq=False)
 class Overlapping:
-    """What comes near the inverse of a square compressed matrix."""
+    """An approximate inverse of a square compressed matrix."""
 
     parts: Sequence[Part]
 
     def solve(self, right: Array) -> Array:
-        """Unknowns (components, F), roughly, for a right side of the same shape."""
+        """Unknowns (components, F), approximately, for a right side of the same shape."""
         right = right.astype(self.parts[0].factors[0].dtype)
         result = np.empty(right.shape)
         made = in_shares(lambda part: part.solve(right), self.parts)

@@ -68,7 +68,7 @@ class Sources:
     basis_first: Index
 
     def part(self, panels: slice) -> Sources:
-        """Those of consecutive panels."""
+        """The nodes of consecutive panels."""
         first = self.first[panels.start : panels.stop + 1]
         basis_first = self.basis_first[panels.start : panels.stop + 1]
         return Sources(

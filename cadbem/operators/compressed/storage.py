@@ -1,4 +1,4 @@
-"""How the matrix of layers is kept."""
+"""The choice of the storage of matrices: dense or compressed."""
 
 from __future__ import annotations
 
@@ -34,5 +34,5 @@ Storage = Dense | Compressed
 
 
 def storage_for(count: int) -> Storage:
-    """What suits so many collocation points."""
+    """The default storage for this number of collocation points."""
     return Dense() if count <= DENSE_TO else Compressed()

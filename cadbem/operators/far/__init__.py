@@ -1,1 +1,1 @@
-"""Bodies seen from afar: their layers in; a few equivalent sources for distant targets out."""
+"""Far fields of bodies: their layers in; a few equivalent sources for distant targets out."""

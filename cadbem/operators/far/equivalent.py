@@ -1,12 +1,12 @@
-"""Equivalent sources: what a body makes far away, by fewer Stokeslets than its surface has nodes.
+"""Equivalent sources: the far field of a body, by fewer Stokeslets than its surface has nodes.
 
 Outside a ball that holds all nodes of a body, its velocity is that of Stokeslets on a smaller
-sphere, chosen such that they make the same at points around the ball, and of one point source, the
-net flux through the surface (as in kernel-independent fast multipole methods: Ying, Biros and Zorin
-2004).  In units of the ball's radius all this is the same for all bodies.
+sphere, chosen such that their velocity is the same at points around the ball, and of one point
+source, the net flux through the surface (as in kernel-independent fast multipole methods: Ying,
+Biros and Zorin 2004).  In units of the ball's radius all this is the same for all bodies.
 
-Incoming flow is the same read backwards: as G(x, y) is symmetric, what far sources make inside a
-ball is that of Stokeslets on the outer points, with the transposed matrix applied to the velocity
+Incoming flow is the transposed problem: as G(x, y) is symmetric, the velocity of far sources inside
+a ball is that of Stokeslets on the outer points, with the transposed matrix applied to the velocity
 at the inner ones.
 """
 
@@ -72,7 +72,7 @@ class Sources:
             area, double = map(np.ascontiguousarray, (self.area, self.double))
             sums.double(targets, np.zeros_like(targets), position, area, double, out)
 
-    def seen_in(self, ball: Ball) -> Sources:
+    def in_units_of(self, ball: Ball) -> Sources:
         """In units of a ball's radius R, in which equivalent Stokeslets are the same: G q loses a
         factor 1 / R (or a constant log R q in 2D), T one more, which the area vectors take."""
         area = None if self.area is None else self.area / ball.radius
@@ -118,7 +118,7 @@ class Expansion:
     def _matrix(self) -> Array:
         """From velocities at the outer points to Stokeslets, both flat: (dim E, dim C).
 
-        Stokeslets along the normals make next to nothing outside, and are left out."""
+        Stokeslets along the normals have almost no velocity outside, and are left out."""
         matrix = _stokeslets(self.outer, self.inner)
         normal = self.inner.ravel() / np.linalg.norm(self.inner)
         return pinv(matrix - np.outer(matrix @ normal, normal), rtol=RANK)
@@ -132,7 +132,7 @@ class Expansion:
         return (velocity.ravel() @ self._matrix).reshape(self.outer.shape)
 
     def lowered(self, finer: Expansion, strengths: Array) -> Array:
-        """Stokeslets (dim, E) that do for those of a ``finer`` expansion."""
+        """Stokeslets (dim, E) that replace those of a ``finer`` expansion."""
         return (_lowering(self, finer) @ strengths.ravel()).reshape(self.inner.shape)
 
     def equivalent(self, unit: Sources) -> Array:
@@ -152,10 +152,10 @@ def _lowering(coarse: Expansion, fine: Expansion) -> Array:
 
 @dataclass(frozen=True)
 class FarField:
-    """How bodies see each other from afar: with an error of about ``tolerance`` each, relative to
-    what a body makes on its own surface.
+    """Equivalent sources for distant bodies, with an error of about ``tolerance`` for each body,
+    relative to the velocity that it induces on its own surface.
 
-    Densities of an order above p are missed.  What they make falls like (R / r)^(p + 2), and they
+    Densities of an order above p are missed.  Their velocity falls like (R / r)^(p + 2), and they
     are the weaker the higher the order, like e^(-p / 3) (measured on droplets that nearly touch).
     """
 

@@ -1,4 +1,4 @@
-"""What bodies look like in pictures."""
+"""Surfaces, colours and names of bodies in pictures."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ LEGIBLE = 8  # bodies that a legend names one by one
 
 
 def body_name(number: int, shape: Shape) -> str:
-    """What a legend calls a body."""
+    """The name of a body in legends."""
     return f"{'droplet' if isinstance(shape, ClosedSpline) else 'particle'} {number}"
 
 

@@ -41,7 +41,7 @@ def draw_scene(
     space the channel is seen along its shortest axis and from a corner, without one along y.
     Walls are glass, openings are tinted.  ``colour`` names a field to colour bodies by: "mean
     curvature", or one of ``fields`` (see ``Frame``); ``limits`` are those of the colours.
-    ``units`` are what labels say (``length``, ``time``, ``pressure``).
+    ``units`` are the units in labels (``length``, ``time``, ``pressure``).
     Raises ``CadbemError`` when there is nothing to draw or no such field, ``ShapeError`` for two
     dimensions at once, ``DisplayError`` where nothing can be drawn.
     """

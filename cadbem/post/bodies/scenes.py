@@ -45,7 +45,7 @@ ROOM = (0.1, 0.08)  # share of a panel kept free for the axes and for the time
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """What stays the same in all frames: the channel, if any, points (3, N) of all there is, and
+    """The data that all frames share: the channel, if any, points (3, N) of all objects, and
     the field that bodies are coloured by, if any."""
 
     channel: Boundary | None
@@ -88,7 +88,7 @@ class Scene:
 
     @property
     def shading(self) -> float:
-        """How much the light changes colours: little where they are to be read off."""
+        """The strength of the lighting, which is small where colours show values."""
         return 0.65 if self.colouring is None else 0.4
 
     def surface(self, frame: Frame, number: int) -> Any:

@@ -1,4 +1,4 @@
-"""Plots of what becomes of bodies over time: one panel a quantity, one colour a body."""
+"""Plots of measures of bodies over time: one panel for each quantity, one colour for each body."""
 
 from __future__ import annotations
 

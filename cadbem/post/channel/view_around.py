@@ -33,7 +33,7 @@ AXES_ROOM = (0.12, 0.0)  # share of the picture kept free for the axes and at th
 
 
 class FlowSolution(Protocol):
-    """What is drawn of a solution: the velocity on bodies and in the fluid."""
+    """The part of a solution that is drawn: the velocity on bodies and in the fluid."""
 
     @property
     def space(self) -> Space: ...

@@ -13,7 +13,7 @@ from cadbem.boundary import Boundary
 from cadbem.points import SurfacePoints
 from cadbem.post.fields.cells import edge_lines, face_edges, tessellated
 from cadbem.post.plane.plane_boundary import draw_plane_boundary
-from cadbem.post.scene.face_labels import Seen, add_labels, look, roomiest
+from cadbem.post.scene.face_labels import VisibleFaces, add_labels, look, roomiest
 from cadbem.post.scene.glass import add_lines, lifted
 from cadbem.post.scene.openings import opening_names
 from cadbem.post.style.display import load_pyvista
@@ -161,18 +161,18 @@ def choose_views(surface: Any, extent: Array) -> tuple[list[View], list[int]]:
     others = [every.turned(a, e) for a in (28, 118, 208, 298) for e in (32, -32)]
     hidden = _faces(surface) - {0}
     for view in views:
-        hidden -= _seen(surface, view, extent)
-    seen = [_seen(surface, v, extent) for v in others] if hidden else []
+        hidden -= _visible_faces(surface, view, extent)
+    visible = [_visible_faces(surface, v, extent) for v in others] if hidden else []
     while hidden and len(views) < MOST:
-        best = max(range(len(others)), key=lambda k: len(seen[k] & hidden))
-        if not seen[best] & hidden:
+        best = max(range(len(others)), key=lambda k: len(visible[k] & hidden))
+        if not visible[best] & hidden:
             break
         views.append(others[best])
-        hidden -= seen[best]
+        hidden -= visible[best]
     return views, sorted(hidden)
 
 
-def _seen(surface: Any, view: View, extent: Array) -> set[int]:
+def _visible_faces(surface: Any, view: View, extent: Array) -> set[int]:
     return set(roomiest(look(surface, view, extent, GLANCE)))
 
 
@@ -251,10 +251,10 @@ def _add_number(plotter: Any, middle: Array, face: int) -> None:
 
 
 def _add_numbers(
-    plotter: Any, boundary: Boundary, seen: Seen, faulty: Mapping[int, list[Array]]
+    plotter: Any, boundary: Boundary, visible: VisibleFaces, faulty: Mapping[int, list[Array]]
 ) -> None:
     """Numbers on the faces that a view shows, with the names of those that are not walls."""
-    spots = roomiest(seen)
+    spots = roomiest(visible)
     labels = {face: str(face) for face in spots}
     ports = opening_names(boundary)
     for patch in boundary.patches:
@@ -262,7 +262,7 @@ def _add_numbers(
             labels |= {patch.face: f"{patch.face} {patch.name}"} if patch.face in labels else {}
     colours = {face: DEFECT if face in faulty else INK for face in labels}
     shrunk = SMALL * np.clip(np.sqrt(CROWD / max(1, len(labels))), 0.65, 1.0)
-    add_labels(plotter, seen, spots, labels, colours, scaled(plotter, shrunk))
+    add_labels(plotter, visible, spots, labels, colours, scaled(plotter, shrunk))
 
 
 def _faces(surface: Any) -> set[int]:

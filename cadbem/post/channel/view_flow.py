@@ -83,7 +83,7 @@ def draw_flow(
     on cross-sections, and streamlines; in a plane speed with streamlines, and pressure.
 
     The flow is sampled at about ``points`` places in the fluid, and more on its boundary, where
-    it is known; more of them for narrow or long channels.  ``units`` are what labels say
+    it is known; more of them for narrow or long channels.  ``units`` are the units in labels
     (``length``, ``time``, ``pressure``).  Raises ``ShapeError`` for a flow that no channel
     encloses, ``DisplayError`` where pictures cannot be drawn.
     """

@@ -52,7 +52,7 @@ class _Space(Protocol):
 
 
 class WallSolution(Protocol):
-    """What is drawn of a solution: the traction on the boundary and the conditions."""
+    """The part of a solution that is drawn: the traction on the boundary and the conditions."""
 
     @property
     def problem(self) -> _Problem: ...
@@ -73,11 +73,11 @@ def draw_traction(
 ) -> Path:
     """Picture of both parts of the traction on the walls: pressure, and the shear stress.
 
-    Two views from opposite corners; walls between the viewer and the fluid are left out, so
-    that one sees the channel's inside.  Walls are the patches that do not slip.  Colours leave
-    out a hundredth of the points, as traction may be singular at edges.  ``units`` are what labels
-    say (``length``, ``time``, ``pressure``).  Raises ``SelectionError`` when
-    nothing is a wall, ``DisplayError`` where pictures cannot be drawn.
+    Two views from opposite corners; walls between the viewer and the fluid are left out, so that
+    one sees the channel's inside.  Walls are the patches that do not slip.  Colours leave out a
+    hundredth of the points, as traction may be singular at edges.  ``units`` are the units in
+    labels (``length``, ``time``, ``pressure``).  Raises ``SelectionError`` when nothing is a wall,
+    ``DisplayError`` where pictures cannot be drawn.
     """
     boundary = solution.space.boundary
     surface = tessellated(boundary, 6, {"traction": solution.traction}, _walls(solution))

@@ -1,1 +1,1 @@
-"""What there is to draw: solutions and bodies in; cells, frames and fields on them out."""
+"""Fields for pictures: solutions and bodies in; cells, frames and fields on them out."""

@@ -1,4 +1,4 @@
-"""Fields on bodies: velocities, tractions, curvatures, as pictures and files want them."""
+"""Fields on bodies for pictures and files: velocities, tractions, curvatures."""
 
 from __future__ import annotations
 

@@ -83,7 +83,7 @@ def edge_lines(boundary: Boundary, density: int = 8, *, elements: bool = False) 
 
 
 def sharp_edges(boundary: Boundary, density: int = 8, angle: float = 30.0) -> Any:
-    """Those edges of patches at which the surface turns by more than an ``angle`` in degrees,
+    """The edges of patches at which the surface turns by more than an ``angle`` in degrees,
     or ends; judged in the middle of each edge."""
     sharp = []
     for curve, _, own, others, surface in _edges(boundary, density):
@@ -95,7 +95,7 @@ def sharp_edges(boundary: Boundary, density: int = 8, angle: float = 30.0) -> An
 
 
 def face_edges(boundary: Boundary, density: int = 8) -> Any:
-    """Those edges of patches at which a CAD face ends; judged in the middle of each edge."""
+    """The edges of patches at which a CAD face ends; judged in the middle of each edge."""
     ends = []
     for curve, patch, _, others, surface in _edges(boundary, density):
         cells = surface.point_data["face"][others]

@@ -1,4 +1,4 @@
-"""Bodies in motion as pictures know them: frames, and the room that they take."""
+"""Frames, the form in which pictures receive bodies at one time, and the extent of frames."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def extent_of(channel: Boundary | None, frames: Sequence[Frame]) -> Array:
 
 
 def _outermost(points: Array) -> Array:
-    """Those of the points (dim, N) farthest along axes and diagonals."""
+    """The points among (dim, N) that are farthest along axes and diagonals."""
     directions = np.array(list(product((-1.0, 0.0, 1.0), repeat=len(points))))
     return points[:, np.unique((directions @ points).argmax(axis=1))]
 

@@ -1,4 +1,4 @@
-"""Velocity and pressure throughout the fluid of a solution, for pictures: no mesh is asked for."""
+"""Velocity and pressure at sample points throughout the fluid, for pictures without a mesh."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ INSET = 1e-3  # share of a patch: where values at its edges are taken, as poles 
 
 
 class FlowSolution(Protocol):
-    """What is sampled of a solution."""
+    """The part of a solution that is sampled."""
 
     @property
     def space(self) -> Space: ...
@@ -91,7 +91,7 @@ def in_portions(
     quadrature: Quadrature,
     name: str,
 ) -> Array:
-    """Values (..., M) of a function of points (dim, M), asked for part by part."""
+    """Values (..., M) of a function of points (dim, M), computed part by part."""
     starts = range(0, max(1, points.shape[1]), PORTION)
     parts = [
         function(points[:, start : start + PORTION], quadrature) for start in progress(starts, name)

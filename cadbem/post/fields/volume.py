@@ -16,7 +16,7 @@ SEEN = Quadrature(1e-5)  # finer than any picture shows
 
 
 class Flow(Protocol):
-    """A flow that can be asked at points (3, M) inside and on its boundary."""
+    """A flow that can be evaluated at points (3, M) inside and on its boundary."""
 
     def velocity_at(self, points: Array, quadrature: Quadrature) -> Array: ...
 

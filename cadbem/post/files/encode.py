@@ -22,7 +22,7 @@ QUALITY = 7  # of 10, of MP4: lines and letters stay sharp
 
 @dataclass(frozen=True, eq=False)
 class Shots:
-    """``count`` pictures that are taken when they are asked for, for the movie ``name``; colours
+    """``count`` pictures that are drawn one at a time, for the movie ``name``; colours
     (n, 3) of the ``scale`` in them, if there is one, which a GIF has to keep."""
 
     name: str
@@ -35,7 +35,7 @@ class Shots:
 
 
 def encoder(target: Path) -> Callable[[Path, Shots], None]:
-    """What writes a movie in the format of the ending.
+    """The writer of a movie in the format of the ending.
 
     Raises ``CadbemError`` for endings other than .mp4 and .gif, and without an encoder.
     """

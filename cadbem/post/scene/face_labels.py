@@ -1,4 +1,4 @@
-"""Where a face can be seen in a picture, and where to write its number."""
+"""The visible part of each face in a picture, and the place of its number."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from cadbem.post.style.style import BACKGROUND, INK, LETTER, add_text, scaled
 from cadbem.spline.basis import Array
 
 Pixel = tuple[float, float]  # column and row, rows upwards
-LEAST = 1.5  # pixels from the edges of what is seen of a face to its middle, to count as seen
+LEAST = 1.5  # pixels that the visible part of a face must reach on each side of its middle
 SPACIOUS = 0.9  # share of the most room that is enough for a label
 RINGS, DIRECTIONS = 24, 16  # places that are tried around a face too small for its label
 FRAME = 0.3  # room around a label, in heights of a letter
 
 
 @dataclass(frozen=True, eq=False)
-class Seen:
+class VisibleFaces:
     """Numbers (height, width) of the faces that each pixel shows, row 0 at the bottom, 0 where
     there is none; ``corner`` and ``pixel`` place the picture in the view's coordinates."""
 
@@ -39,9 +39,9 @@ class Seen:
         return right * self.view.right + up * self.view.up + self.depth * self.view.toward
 
 
-def look(surface: Any, view: View, extent: Array, size: tuple[int, int]) -> Seen:
-    """What is seen of a surface with the cell data ``face``, aimed as ``aim`` does in a panel of
-    ``size`` pixels."""
+def look(surface: Any, view: View, extent: Array, size: tuple[int, int]) -> VisibleFaces:
+    """The visible faces of a surface with the cell data ``face``, in a panel of ``size`` pixels
+    whose camera is set by ``aim``."""
     pyvista = load_pyvista()
     plotter = pyvista.Plotter(off_screen=True, window_size=size)
     try:
@@ -63,17 +63,17 @@ def look(surface: Any, view: View, extent: Array, size: tuple[int, int]) -> Seen
     pixel = height / size[1]
     depth = float((view.toward @ extent).max() + 0.01 * height)
     corner = middle - 0.5 * pixel * np.array(size)
-    return Seen(image @ np.array([65536, 256, 1]), view, corner, pixel, depth)
+    return VisibleFaces(image @ np.array([65536, 256, 1]), view, corner, pixel, depth)
 
 
-def roomiest(seen: Seen) -> dict[int, tuple[Pixel, float]]:
-    """For each face that is seen a pixel far from its edges as they appear, and how far: among
+def roomiest(visible: VisibleFaces) -> dict[int, tuple[Pixel, float]]:
+    """For each face that is visible, a pixel far from its edges as they appear, and how far: among
     those with nearly the most room the one nearest to the middle."""
     found = {}
-    for face in np.unique(seen.faces[seen.faces > 0]).tolist():
-        places = np.argwhere(seen.faces == face)
+    for face in np.unique(visible.faces[visible.faces > 0]).tolist():
+        places = np.argwhere(visible.faces == face)
         low, high = places.min(axis=0), places.max(axis=0) + 1
-        mask = seen.faces[low[0] : high[0], low[1] : high[1]] == face
+        mask = visible.faces[low[0] : high[0], low[1] : high[1]] == face
         room = distance_transform_edt(np.pad(mask, 1))[1:-1, 1:-1]
         if room.max() > LEAST:
             best = np.argwhere(room >= SPACIOUS * room.max())
@@ -84,7 +84,7 @@ def roomiest(seen: Seen) -> dict[int, tuple[Pixel, float]]:
 
 
 def place_labels(
-    seen: Seen,
+    visible: VisibleFaces,
     spots: Mapping[int, tuple[Pixel, float]],
     labels: Mapping[int, str],
     letter: int,
@@ -93,10 +93,10 @@ def place_labels(
     beside it, as near as may be.  ``spots`` are the ``roomiest`` ones."""
     taken: list[NDArray[np.float64]] = []
     places = {}
-    small = np.zeros(seen.faces.shape, dtype=bool)
+    small = np.zeros(visible.faces.shape, dtype=bool)
     for face, (_, room) in spots.items():
         if room < 0.6 * letter:
-            small |= seen.faces == face
+            small |= visible.faces == face
     for face, (spot, room) in sorted(spots.items(), key=lambda item: -item[1][1]):
         half = _half(labels[face], letter)
         tried = [spot] if room > 0.6 * letter else []
@@ -146,17 +146,17 @@ def _free(
 
 def add_labels(
     plotter: Any,
-    seen: Seen,
+    visible: VisibleFaces,
     spots: Mapping[int, tuple[Pixel, float]],
     labels: Mapping[int, str],
     colours: Mapping[int, str],
     letter: int,
 ) -> None:
     """Labels on faces in the panel drawn at present, with lines to those too small for theirs."""
-    places = place_labels(seen, spots, labels, letter)
+    places = place_labels(visible, spots, labels, letter)
     for face, (spot, _) in spots.items():
         if places[face] != spot:
-            ends = np.stack([seen.position(spot), seen.position(places[face])])
+            ends = np.stack([visible.position(spot), visible.position(places[face])])
             lines = load_pyvista().MultipleLines(ends)
             plotter.add_mesh(lines, color=INK, line_width=scaled(plotter, 2), lighting=False)
             dot = load_pyvista().PolyData(ends[:1])

@@ -1,4 +1,4 @@
-"""Parts that several pictures share: the channel as glass, lines on a surface."""
+"""Parts that several pictures share: the channel as transparent walls, lines on a surface."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""How every picture looks: sizes and quantities in; colours, fonts, legends, panels out."""
+"""The style of all pictures: sizes and quantities in; colours, fonts, legends, panels out."""

@@ -1,4 +1,4 @@
-"""Off-screen rendering: is it possible here, and how pyvista is told to do it.
+"""Off-screen rendering: the check whether it is possible, and the settings of pyvista.
 
 VTK draws without a screen through EGL or OSMesa.  When neither is installed it ends the process
 with a segmentation fault instead of an error, so the libraries are tried out first.

@@ -1,4 +1,4 @@
-"""Sheets of panels, and cameras that fit what they show into a panel."""
+"""Sheets of panels, and cameras that fit their objects into a panel."""
 
 from __future__ import annotations
 

@@ -37,7 +37,7 @@ def draw_legend(plotter: Any, colours: Mapping[str, str], note: str = "") -> Non
 
 
 def _rows(names: list[str], width: int, letter: int) -> list[list[tuple[float, str]]]:
-    """Left ends and names, in as many rows as the width asks for."""
+    """Left ends and names, in as many rows as the width requires."""
     rows: list[list[tuple[float, str]]] = [[]]
     left = _GAP * letter
     for name in names:

@@ -30,7 +30,7 @@ class Curve:
     colour: int | None = None
 
     def style(self, position: int) -> dict[str, Any]:
-        """How matplotlib draws the curve at a ``position`` in the list of a plot's curves."""
+        """The style in which matplotlib draws the curve at a ``position`` in the list of curves."""
         chosen = position if self.colour is None and self.marks else self.colour
         return {
             "color": INK if chosen is None else PALETTE[chosen % len(PALETTE)],

@@ -1,4 +1,4 @@
-"""How every picture looks: colours, fonts, colour bars, units."""
+"""The style of all pictures: colours, fonts, colour bars, units."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def _palette(count: int) -> list[str]:
 
 
 class UnitNames(Protocol):
-    """What units are called, such as "mm", "s", "Pa"; empty where there are none."""
+    """The names of units, such as "mm", "s", "Pa"; empty where there are none."""
 
     @property
     def length(self) -> str: ...
@@ -83,7 +83,7 @@ def quantity_label(quantity: str, unit: str, units: UnitNames | None = None) -> 
 
 
 def length_unit(boundary: Boundary | None, units: UnitNames | None) -> str:
-    """What the unit of length is called: by ``units``, else by the boundary's CAD file."""
+    """The name of the unit of length: from ``units``, else from the boundary's CAD file."""
     if units is not None:
         return units.length
     return "" if boundary is None else boundary.unit
@@ -131,7 +131,7 @@ def colour_bar(plotter: Any, actor: Any, title: str, left: float, width: float) 
 
 
 def colour_limits(low: float, high: float) -> tuple[float, float]:
-    """Limits of the colours; rounding errors of a constant are not worth any."""
+    """Limits of the colours; rounding errors of a constant do not widen them."""
     room = 1e-3 * max(abs(low), abs(high), 1e-300)
     return (low, high) if high - low > room else (low - room, high + room)
 
@@ -159,9 +159,9 @@ def round_values(low: float, high: float, count: int = 5) -> Array:
     """About ``count`` values between two limits, multiples of 1, 2 or 5 times a power of ten."""
     if not high > low:
         return np.array([low])
-    rough = (high - low) / count
-    power = 10.0 ** np.floor(np.log10(rough))
-    step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / rough)))
+    raw_step = (high - low) / count
+    power = 10.0 ** np.floor(np.log10(raw_step))
+    step = min((power, 2 * power, 5 * power, 10 * power), key=lambda s: abs(np.log(s / raw_step)))
     first, last = np.ceil(low / step - 1e-9), np.floor(high / step + 1e-9)
     return step * np.arange(first, last + 1) + 0.0  # no "-0"
 

@@ -1,13 +1,14 @@
-"""What droplets and rigid particles have in common.
+"""The protocols of bodies, which droplets and rigid particles fulfil.
 
-A ``Body`` is a value that moves: it has coordinates, and steps in time make others of it.  A
-``Placed`` body is one with its geometry worked out at one moment; it takes part in the flow by an
-equation of its own for an unknown w (dim, K),
+A ``Body`` is a value with coordinates; a step in time gives a body with other coordinates.  A
+``Placed`` body is one with its geometry evaluated at one moment.  It has an equation of its own for
+an unknown w (dim, K),
 
     A w = b + L[u∞],
 
-where u∞ is the velocity at its N target points that all else makes.  What it makes itself is that
-of layers with a fixed density, its ``load``, and one that depends on w.
+where u∞ is the incident velocity at its N target points: that of the flow without bodies, of the
+other bodies and of walls.  The velocity that it induces itself is that of layers with densities
+that are fixed (``fixed_densities``) and densities that depend on w.
 """
 
 from __future__ import annotations
@@ -23,68 +24,72 @@ from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion
 from cadbem.suspension.interface.volume import CorrectVolume
 
-Push = Callable[[Array], Array]  # pressure (M,) from without at points (dim, M)
+ContactPressure = Callable[[Array], Array]  # contact pressure (M,) at points (dim, M)
 Densities = tuple[Array | None, Array | None]  # coefficients of a single and a double layer
 NOTHING: Densities = (None, None)
 
 
-class Seen(Protocol):
-    """What a body makes at fixed points."""
+class NearField(Protocol):
+    """Evaluates the velocity that a body induces at fixed points, also at those close to it."""
 
     def velocity(self, densities: Densities) -> Array:
         """Velocity (dim, M) of its layers, (S[q] + D[u]) / 2h, at the points."""
 
 
 class Equation(Protocol):
-    """A body's part in the flow at one moment: see the top of this file."""
+    """The equation of a body at one moment: see the top of this file."""
 
     @property
     def couples(self) -> bool:
-        """Whether what the body makes depends on w."""
+        """Whether the induced velocity depends on w."""
 
     @property
-    def load(self) -> Densities:
-        """What the body makes whatever it feels."""
+    def fixed_densities(self) -> Densities:
+        """Densities of the layers that do not depend on the incident velocity."""
 
     @property
-    def start(self) -> Array:
+    def right_side(self) -> Array:
         """b (dim, K)."""
 
-    def answer(self, felt: Array) -> Array:
-        """L[u∞] (dim, K) for a velocity (dim, N) at the targets."""
+    def incident_term(self, incident: Array) -> Array:
+        """L[u∞] (dim, K) for an incident velocity u∞ (dim, N) at the targets."""
 
     def apply(self, unknown: Array) -> Array:
         """A w (dim, K)."""
 
     def densities(self, unknown: Array) -> Densities:
-        """What the body makes because of w."""
+        """Densities of the layers that depend on w."""
 
     def response(self, unknown: Array, iterations: int) -> Any:
-        """What became of the body: its velocity, and the densities of all that it makes."""
+        """The solution for this body: its velocity, and the densities of all its layers."""
 
 
 class Placed(Protocol):
-    """A body with its geometry worked out."""
+    """A body with its geometry evaluated."""
 
     @property
     def targets(self) -> Array:
-        """Points (dim, N) at which it must know the velocity."""
+        """Points (dim, N) at which its equation needs the incident velocity."""
 
     @property
     def samples(self) -> Array:
         """Points (dim, M) all over the surface, closer together than the targets."""
 
-    def seen_from(self, points: Array) -> Seen:
-        """The body as seen from points (dim, M) off it."""
+    def near_field(self, points: Array) -> NearField:
+        """Evaluates the body's layers at points (dim, M) off its surface."""
 
     def sources(self, densities: Densities) -> Sources:
-        """Nodes, all within the samples' extent, that make S[q] + D[u] far away."""
+        """Nodes, all within the samples' extent, whose sum is S[q] + D[u] far away."""
 
     def equation(
-        self, viscosity: float, deflated: bool, push: Push | None = None, jump: Jump | None = None
+        self,
+        viscosity: float,
+        deflated: bool,
+        contact_pressure: ContactPressure | None = None,
+        jump: Jump | None = None,
     ) -> Equation:
-        """Its part in the flow; with a pressure ``push`` from without, and with a given ``jump``
-        if its law leaves that open."""
+        """Its equation, with a ``contact_pressure`` from outside, and with a given ``jump`` if the
+        interface law leaves that open."""
 
     @property
     def spacing(self) -> float:
@@ -112,7 +117,7 @@ class Body(Protocol):
 
     @property
     def size(self) -> float:
-        """A length: the root of its volume."""
+        """A length (float): the cube root of its volume, in 2D the square root of its area."""
 
     @property
     def centre(self) -> Array:
@@ -120,7 +125,7 @@ class Body(Protocol):
 
     @property
     def coordinates(self) -> Array:
-        """All that changes in time, flat."""
+        """All numbers that change in time, as a flat array."""
 
     def at(self, coordinates: Array) -> Self:
         """The body with other coordinates."""
@@ -132,13 +137,13 @@ class Body(Protocol):
         """Largest displacement in a change of coordinates, relative to the size."""
 
     def repaired(self, start: Self, volume: CorrectVolume | None, mesh: RelaxMesh | None) -> Self:
-        """With the volume that it had at the start, and its points relaxed."""
+        """The body with the volume that it had at the start, and with its points relaxed."""
 
     def drift(self, start: Self) -> float:
         """Relative error of the volume."""
 
     def unresolved(self) -> str:
-        """Why its shape cannot be trusted any more, or nothing."""
+        """Why its points do not resolve the shape any more, or an empty text."""
 
     def placed(self, rule: SelfRule) -> Placed:
-        """Its geometry.  Raises ShapeError if that is unsound."""
+        """Its geometry.  Raises ShapeError if the surface is not finite, or is folded."""

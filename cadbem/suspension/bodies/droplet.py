@@ -16,7 +16,7 @@ from cadbem.operators.far.equivalent import Sources
 from cadbem.quadrature.closed import SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
-from cadbem.suspension.bodies.body import NOTHING, Densities, Push
+from cadbem.suspension.bodies.body import NOTHING, ContactPressure, Densities
 from cadbem.suspension.bodies.overview import droplet_text
 from cadbem.suspension.interface.equation import InterfaceEquation
 from cadbem.suspension.interface.laws import InterfaceLaw, Jump
@@ -95,7 +95,7 @@ class Droplet:
     def repaired(
         self, start: Droplet, volume: CorrectVolume | None, mesh: RelaxMesh | None
     ) -> Droplet:
-        """With the volume that it had at the start, and its points relaxed."""
+        """The droplet with the volume that it had at the start, and with its points relaxed."""
         shape = self.shape if volume is None else volume.apply(self.shape, start.volume)
         if mesh is not None:
             shape = mesh.relaxed(shape, self.viscosity_ratio)
@@ -106,11 +106,11 @@ class Droplet:
         return self.volume / start.volume - 1
 
     def unresolved(self) -> str:
-        """Why its shape cannot be trusted any more, or nothing."""
+        """Why its points do not resolve the shape any more, or an empty text."""
         return unresolved(collocation_grid(self.shape.basis).points(self.shape))
 
     def placed(self, rule: SelfRule) -> PlacedDroplet:
-        """Its layers, integrated as finely as the shape's stretch asks for.
+        """Its layers, integrated as finely as the stretch of the shape requires.
 
         Raises ShapeError for a shape that is not finite, or folded.
         """
@@ -145,17 +145,21 @@ class PlacedDroplet:
         return law.jump_of(self.layers) if hasattr(law, "jump_of") else None
 
     def sources(self, densities: Densities) -> Sources:
-        """Nodes that make S[q] + D[u] far away."""
+        """Nodes whose sum is S[q] + D[u] far away."""
         return even_sources(self.layers, *densities)
 
-    def seen_from(self, points: Array) -> SeenDroplet:
-        """The droplet as seen from points (dim, M) off it."""
-        return SeenDroplet(OffSurface(self.layers, np.ascontiguousarray(points, dtype=float)))
+    def near_field(self, points: Array) -> DropletNearField:
+        """Evaluates the droplet's layers at points (dim, M) off its surface."""
+        return DropletNearField(OffSurface(self.layers, np.ascontiguousarray(points, dtype=float)))
 
     def equation(
-        self, viscosity: float, deflated: bool, push: Push | None = None, jump: Jump | None = None
+        self,
+        viscosity: float,
+        deflated: bool,
+        contact_pressure: ContactPressure | None = None,
+        jump: Jump | None = None,
     ) -> _Equation:
-        """Its part in the flow, with its own jump or a given one, and pushed from without."""
+        """Its equation, with its own jump or a given one, and with a contact pressure."""
         jump = self.jump if jump is None else jump
         if jump is None:
             raise ConditionError(
@@ -163,7 +167,7 @@ class PlacedDroplet:
                 "solved for one body only; give the others SurfaceTension or Bending"
             )
         interface = InterfaceEquation(self.layers, self.body.viscosity_ratio, deflated)
-        return _Equation(interface, jump, push, viscosity)
+        return _Equation(interface, jump, contact_pressure, viscosity)
 
     @property
     def spacing(self) -> float:
@@ -199,8 +203,8 @@ class PlacedDroplet:
 @dataclass(frozen=True, eq=False)
 class Response:
     """An interface's ``velocity``, coefficients (dim, *shape), the ``jump`` that goes with it, the
-    ``densities`` of all that the droplet makes outside, the equations' ``unknown``, and the number
-    of ``iterations`` that they took."""
+    ``densities`` of all layers of the droplet outside it, the equations' ``unknown``, and the
+    number of ``iterations`` that they took."""
 
     velocity: Array
     jump: Jump
@@ -210,8 +214,8 @@ class Response:
 
 
 @dataclass(frozen=True, eq=False)
-class SeenDroplet:
-    """What a droplet makes at points off it."""
+class DropletNearField:
+    """The velocity that a droplet induces at points off its surface."""
 
     field: OffSurface
 
@@ -228,31 +232,34 @@ class _Equation:
 
     interface: InterfaceEquation
     jump: Jump
-    push: Push | None
+    contact_pressure: ContactPressure | None
     viscosity: float
 
     def _whole_jump(self, points: ClosedPoints) -> Array:
-        """The interface's jump and the push, in which a force F on the interface is a jump -F."""
+        """The interface's jump with the contact pressure: a force F on the interface is a jump
+        of -F."""
         jump = self.jump(points)
-        return jump if self.push is None else jump + self.push(points.position) * points.normal
+        if self.contact_pressure is None:
+            return jump
+        return jump + self.contact_pressure(points.position) * points.normal
 
     @property
     def couples(self) -> bool:
         return self.interface.beta != 0.0
 
     @cached_property
-    def load(self) -> Densities:
+    def fixed_densities(self) -> Densities:
         layers = self.interface.layers
         basis = layers.operator.basis
         jump = self._whole_jump(layers.targets).reshape(-1, *basis.shape)
         return basis.fit(jump) / -self.viscosity, None
 
     @cached_property
-    def start(self) -> Array:
+    def right_side(self) -> Array:
         return self.interface.right_of_jump(self._whole_jump, self.viscosity)
 
-    def answer(self, felt: Array) -> Array:
-        return self.interface.right(felt)
+    def incident_term(self, incident: Array) -> Array:
+        return self.interface.right(incident)
 
     def apply(self, unknown: Array) -> Array:
         return self.interface.apply(unknown)
@@ -262,6 +269,6 @@ class _Equation:
 
     def response(self, unknown: Array, iterations: int) -> Response:
         velocity = self.interface.velocity(unknown)
-        # with the rigid part, which makes nothing outside but counts inside
+        # with the rigid part, which induces nothing outside but counts inside
         double = (1 - self.interface.viscosity_ratio) * velocity if self.couples else None
-        return Response(velocity, self.jump, (self.load[0], double), unknown, iterations)
+        return Response(velocity, self.jump, (self.fixed_densities[0], double), unknown, iterations)

@@ -15,10 +15,14 @@ from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.quadrature.closed import SelfRule
-from cadbem.space import Field
 from cadbem.spline.basis import Array
-from cadbem.suspension.bodies.body import NOTHING, Densities, Push
+from cadbem.suspension.bodies.body import ContactPressure, Densities
 from cadbem.suspension.bodies.overview import particle_text
+from cadbem.suspension.bodies.particle_equation import (
+    ParticleEquation,
+    ParticleNearField,
+    ParticleResponse,
+)
 from cadbem.suspension.interface.laws import Jump
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion
@@ -33,10 +37,10 @@ Vector = float | Sequence[float] | Array
 class RigidParticle:
     """A rigid body with a closed ``shape`` of degree-elevated, refined patches.
 
-    The shape is given where one likes; the centre of its volume goes to ``position`` (dim,), by
-    default it stays.  ``force`` (dim,) and ``torque`` (3,), or a number in a plane, act on the
-    centre from without, such as buoyancy; none by default.  Particles that share one shape share
-    its matrix.  Raises ShapeError for a shape that is not closed.
+    The shape may be given at any place; the centre of its volume is moved to ``position`` (dim,),
+    and stays where it is by default.  ``force`` (dim,) and ``torque`` (3,), or a number in a plane,
+    are external ones on the centre, such as buoyancy; zero by default.  Particles that share one
+    shape share its matrix.  Raises ShapeError for a shape that is not closed.
     """
 
     shape: Boundary
@@ -106,11 +110,11 @@ class RigidParticle:
         return self
 
     def drift(self, start: RigidParticle) -> float:
-        """None."""
+        """Zero: the volume does not change."""
         return 0.0
 
     def unresolved(self) -> str:
-        """Nothing."""
+        """An empty text: the shape does not change."""
         return ""
 
     @cached_property
@@ -121,15 +125,15 @@ class RigidParticle:
         return self.shape.transformed(turn, shift)
 
     def placed(self, rule: SelfRule) -> PlacedParticle:
-        """Its geometry, which is always sound."""
+        """Its geometry, which is always valid."""
         return PlacedParticle(self)
 
 
 @dataclass(frozen=True, eq=False)
 class PlacedParticle:
-    """A rigid particle as the flow sees it.
+    """A rigid particle with its geometry evaluated.
 
-    What it makes is worked out in its own axes, where its nodes never change.
+    Its layers are evaluated in its own axes, where its nodes never change.
     """
 
     body: RigidParticle
@@ -159,39 +163,45 @@ class PlacedParticle:
         return self._world(self.body.resistance.surface[0].position)
 
     def sources(self, densities: Densities) -> Sources:
-        """Nodes that make S[q] far away."""
+        """Nodes whose sum is S[q] far away."""
         position, weighted = self.body.resistance.nodes
         single, _ = densities
         if single is not None:
             single = self._turn @ single @ weighted
         return Sources(self._world(position), single)
 
-    def seen_from(self, points: Array) -> SeenParticle:
-        """The particle as seen from points (dim, M) off it."""
+    def near_field(self, points: Array) -> ParticleNearField:
+        """Evaluates the particle's layer at points (dim, M) off its surface."""
         own = self.body.resistance
         targets = Targets.free(np.ascontiguousarray(self._own(points)))
-        return SeenParticle(
+        return ParticleNearField(
             Potentials(own.kernel, own.space, targets, own.quadrature), self._turn
         )
 
     def equation(
-        self, viscosity: float, deflated: bool, push: Push | None = None, jump: Jump | None = None
-    ) -> _Equation:
-        """Its part in the flow, pushed from without."""
-        return _Equation(self.body, self._turn, self._load(push) / viscosity, viscosity)
+        self,
+        viscosity: float,
+        deflated: bool,
+        contact_pressure: ContactPressure | None = None,
+        jump: Jump | None = None,
+    ) -> ParticleEquation:
+        """Its equation, with a contact pressure."""
+        own, pose = self.body.resistance, self.body.pose
+        load = self._load(contact_pressure) / viscosity
+        return ParticleEquation(own, pose.position, self._turn, load, viscosity)
 
-    def _load(self, push: Push | None) -> Array:
-        """Force and torque from without, in the body's axes, in one array."""
+    def _load(self, contact_pressure: ContactPressure | None) -> Array:
+        """External force and torque, in the body's axes, in one array."""
         force, torque = self.body.force, self.body.torque
         if self.body.dimension == 3:
             torque = self._turn.T @ np.broadcast_to(torque, 3)
         force = self._turn.T @ np.broadcast_to(force, self.body.dimension)
         load = np.append(force, torque)
-        if push is None:
+        if contact_pressure is None:
             return load
         own = self.body.resistance
         points, weights = own.surface
-        pressure = push(self._world(points.position))
+        pressure = contact_pressure(self._world(points.position))
         modes = rigid_motions(points.position - own.centre[:, None])
         return load - np.einsum("mcn,cn,n->m", modes, points.normal, pressure * weights)
 
@@ -214,91 +224,5 @@ class PlacedParticle:
         return self.body.pose.rate(response.velocity, response.angular_velocity)
 
     def fastest(self, viscosity: float) -> float:
-        """Nothing decays."""
+        """Zero: no waves decay on a rigid body."""
         return 0.0
-
-
-@dataclass(frozen=True, eq=False)
-class ParticleResponse:
-    """The ``velocity`` (dim,) of a particle's ``centre`` and its ``angular_velocity`` (3,), or (1,)
-    in a plane; the ``traction`` on it in its own axes, a field; the ``densities`` of all that it
-    makes, the equations' ``unknown``, and the number of ``iterations`` that they took."""
-
-    centre: Array
-    velocity: Array
-    angular_velocity: Array
-    traction: Field
-    densities: Densities
-    unknown: Array
-    iterations: int
-
-    def velocity_at(self, points: Array) -> Array:
-        """The rigid motion at points (dim, M)."""
-        motion = np.concatenate([self.velocity, self.angular_velocity])
-        return np.einsum("m,mcn->cn", motion, rigid_motions(points - self.centre[:, None]))
-
-
-@dataclass(frozen=True, eq=False)
-class SeenParticle:
-    """What a particle makes at points off it."""
-
-    potentials: Potentials
-    turn: Array
-
-    def velocity(self, densities: Densities) -> Array:
-        """S[q] / 2h (dim, M)."""
-        single, _ = densities
-        if single is None or not self.potentials.targets.count:
-            return np.zeros(self.potentials.targets.position.shape)
-        inside = 2 * self.potentials.kernel.free_term
-        return self.turn @ self.potentials.apply(single, np.zeros_like(single)) / inside
-
-
-@dataclass(frozen=True, eq=False)
-class _Equation:
-    """See ``Equation`` in ``body``.
-
-    w (dim, F + 2) is f / μ, coefficients in the body's axes, followed by U and Ω there;
-    ``load_rate`` the force and torque from without, over μ, in one array.
-    """
-
-    body: RigidParticle
-    turn: Array
-    load_rate: Array
-    viscosity: float
-    couples: bool = True
-    load: Densities = NOTHING
-
-    def _unknown(self, velocity: Array, load: Array) -> Array:
-        traction, motion = self.body.resistance.respond(velocity, load)
-        columns = np.zeros((2, len(velocity)))
-        columns.ravel()[: len(motion)] = motion
-        return np.concatenate([traction, columns.T], axis=1)
-
-    @cached_property
-    def start(self) -> Array:
-        own = self.body.resistance
-        return self._unknown(np.zeros((own.dimension, own.space.count)), self.load_rate)
-
-    def answer(self, felt: Array) -> Array:
-        return self._unknown(self.turn.T @ felt, np.zeros_like(self.load_rate))
-
-    def apply(self, unknown: Array) -> Array:
-        return unknown
-
-    def densities(self, unknown: Array) -> Densities:
-        return np.ascontiguousarray(-unknown[:, :-2]), None
-
-    def response(self, unknown: Array, iterations: int) -> ParticleResponse:
-        motion = unknown[:, -2:].T.ravel()[: len(self.load_rate)]
-        velocity, spin = np.split(motion, [self.body.dimension])
-        traction = Field(self.body.resistance.space, self.viscosity * unknown[:, :-2])
-        return ParticleResponse(
-            centre=self.body.pose.position,
-            velocity=self.turn @ velocity,
-            angular_velocity=self.turn @ spin if len(spin) == 3 else spin,
-            traction=traction,
-            densities=self.densities(unknown),
-            unknown=unknown,
-            iterations=iterations,
-        )

@@ -1,9 +1,9 @@
-"""Interface laws: what a surface makes of its shape, as a jump of the traction across it.
+"""Interface laws: the jump of the traction across an interface, as a function of its shape.
 
 A jump is Δf = (σ_out - σ_in)·n with n outwards.  A law closes the problem of a droplet: it is given
-``respond``, which maps a jump to the velocity of the interface, and returns that velocity and the
-jump that belongs to it.  ``stiffness(k)`` is the jump per amplitude of short waves of wave number
-k; it sets the largest stable step in time.
+``velocity_response``, which maps a jump to the velocity of the interface, and returns that velocity
+and the jump that belongs to it.  ``stiffness(k)`` is the jump per amplitude of short waves of wave
+number k; it sets the largest stable step in time.
 """
 
 from __future__ import annotations
@@ -20,13 +20,15 @@ from cadbem.spline.basis import Array
 from cadbem.units import check
 
 Jump = Callable[[ClosedPoints], Array]
-Respond = Callable[[Jump], Array]
+VelocityResponse = Callable[[Jump], Array]
 
 
 class InterfaceLaw(Protocol):
-    """What every interface law offers."""
+    """The protocol of interface laws."""
 
-    def close(self, layers: ClosedLayers, respond: Respond) -> tuple[Array, Jump]:
+    def close(
+        self, layers: ClosedLayers, velocity_response: VelocityResponse
+    ) -> tuple[Array, Jump]:
         """Velocity coefficients (dim, *shape) of the interface, and the jump."""
 
     def stiffness(self, wave_number: float) -> float:
@@ -50,9 +52,11 @@ class SurfaceTension:
         """Δf (dim, N)."""
         return self.tension * points.curvature * points.normal
 
-    def close(self, layers: ClosedLayers, respond: Respond) -> tuple[Array, Jump]:
+    def close(
+        self, layers: ClosedLayers, velocity_response: VelocityResponse
+    ) -> tuple[Array, Jump]:
         """See the top of this file."""
-        return respond(self.jump), self.jump
+        return velocity_response(self.jump), self.jump
 
     def jump_of(self, layers: ClosedLayers) -> Jump:
         """The jump, whatever the surface."""
@@ -87,10 +91,12 @@ class Bending:
 
     rigidity: float
 
-    def close(self, layers: ClosedLayers, respond: Respond) -> tuple[Array, Jump]:
+    def close(
+        self, layers: ClosedLayers, velocity_response: VelocityResponse
+    ) -> tuple[Array, Jump]:
         """See the top of this file."""
         jump = self.jump_of(layers)
-        return respond(jump), jump
+        return velocity_response(jump), jump
 
     def jump_of(self, layers: ClosedLayers) -> Jump:
         """The jump on one surface; curvature becomes a spline, to be differentiated."""

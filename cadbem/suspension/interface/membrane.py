@@ -38,7 +38,7 @@ from cadbem.errors import ConditionError
 from cadbem.operators.closed.layers import ClosedLayers
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis
-from cadbem.suspension.interface.laws import Bending, Jump, Respond, no_jump
+from cadbem.suspension.interface.laws import Bending, Jump, VelocityResponse, no_jump
 
 SOLVER_TOLERANCE = 1e-7
 LARGEST_REST = 1e-3  # share of the stretching that may be left where rounding ends an iteration
@@ -58,22 +58,24 @@ class InextensibleMembrane:
     rigidity: float = 0.0
     tension: float = 1.0
 
-    def close(self, layers: ClosedLayers, respond: Respond) -> tuple[Array, Jump]:
+    def close(
+        self, layers: ClosedLayers, velocity_response: VelocityResponse
+    ) -> tuple[Array, Jump]:
         """Velocity coefficients and jump (see ``InterfaceLaw``).
 
         Raises ConditionError when no tension stops the stretching.
         """
         bending = Bending(self.rigidity).jump_of(layers) if self.rigidity else no_jump
         size = self.rigidity * float((layers.targets.curvature**2).mean())
-        tension = _TensionEquation(layers, respond).solve(bending, size)
+        tension = _TensionEquation(layers, velocity_response).solve(bending, size)
 
         def jump(points: ClosedPoints) -> Array:
             return bending(points) + tension_jump(points, tension)
 
-        return respond(jump), jump
+        return velocity_response(jump), jump
 
     def stiffness(self, wave_number: float) -> float:
-        """That of bending, and τ k²."""
+        """The stiffness of bending, plus τ k²."""
         bending = Bending(self.rigidity).stiffness(wave_number)
         return bending + self.tension * wave_number**2
 
@@ -90,7 +92,7 @@ class _TensionEquation:
     multiple of the unit matrix."""
 
     layers: ClosedLayers
-    respond: Respond
+    velocity_response: VelocityResponse
 
     @cached_property
     def _harmonics(self) -> Array:
@@ -106,16 +108,16 @@ class _TensionEquation:
     def solve(self, bending: Jump, size: float) -> Array:
         """Coefficients (*shape) of the tension that goes with a jump by bending, whose stresses
         have the ``size`` h c²: what stretches as little as a tiny share of it, counts as rest."""
-        shape, still = self.layers.operator.basis.shape, self.respond(no_jump)
+        shape, still = self.layers.operator.basis.shape, self.velocity_response(no_jump)
 
         def apply(amounts: Array) -> Array:
             tension = (amounts @ self._harmonics).reshape(shape)
-            velocity = self.respond(lambda points: tension_jump(points, tension))
+            velocity = self.velocity_response(lambda points: tension_jump(points, tension))
             return self.stretching(velocity - still)
 
         right, least = -self.stretching(still), 0.0
         if size:
-            right = -self.stretching(self.respond(bending))
+            right = -self.stretching(self.velocity_response(bending))
             first = np.linalg.norm(apply(np.eye(len(right))[1]))
             least = SOLVER_TOLERANCE * size * float(first)
         matrix = LinearOperator((len(right), len(right)), apply, dtype=float)

@@ -1,6 +1,8 @@
-"""How points move with an interface: normally with the fluid, tangentially as they like.
+"""Rules for the motion of points on an interface: the normal velocity is that of the fluid, the
+tangential velocity may be chosen.
 
-Each is a function of the layers and the fluid velocity's coefficients that returns coefficients.
+Each rule is a function of the layers and of the coefficients of the fluid velocity that returns
+coefficients.
 """
 
 from __future__ import annotations

@@ -1,8 +1,8 @@
-"""How near bodies are to walls, openings and each other, and what is done about it.
+"""Gaps between bodies, walls and openings, and the contact rules for narrow ones.
 
 Between surfaces that nearly touch, the flow varies over lengths far below their distance from
-anything else, and sooner or later below what their points resolve.  A ``Contact`` rule says what
-happens then.
+anything else, and sooner or later below what their points resolve.  A ``Contact`` rule says
+whether a run then ends, or which pressure acts.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ import numpy as np
 
 from cadbem.errors import ConditionError
 from cadbem.spline.basis import Array
-from cadbem.suspension.bodies.body import Placed, Push
+from cadbem.suspension.bodies.body import ContactPressure, Placed
 from cadbem.suspension.multibody.neighbours import Neighbours
 from cadbem.suspension.surroundings.surroundings import Surroundings
 
@@ -49,13 +49,13 @@ class Gap:
 
 
 class Contact(Protocol):
-    """What happens in narrow gaps."""
+    """A rule for narrow gaps."""
 
     def reason(self, gap: Gap) -> str:
-        """Why a run cannot go on, or nothing."""
+        """Why a run cannot go on, or an empty text."""
 
     def pressure(self, gaps: Array) -> Array:
-        """Pressure (M,) that pushes surfaces apart at points with ``gaps`` (M,)."""
+        """Contact pressure (M,) on surfaces at points with ``gaps`` (M,)."""
 
     @property
     def reach(self) -> float:
@@ -71,7 +71,7 @@ class StopAtGap:
     reach = 0.0
 
     def reason(self, gap: Gap) -> str:
-        """Why a run cannot go on, or nothing."""
+        """Why a run cannot go on, or an empty text."""
         if gap.share >= self.share:
             return ""
         return (
@@ -81,7 +81,7 @@ class StopAtGap:
         )
 
     def pressure(self, gaps: Array) -> Array:
-        """None."""
+        """Zero (M,)."""
         return np.zeros_like(gaps)
 
 
@@ -101,7 +101,7 @@ class Repel:
     strength: float
 
     def reason(self, gap: Gap) -> str:
-        """Nothing: it is the pressure that keeps surfaces apart."""
+        """An empty text: the pressure keeps the surfaces apart."""
         return ""
 
     def pressure(self, gaps: Array) -> Array:
@@ -131,28 +131,28 @@ def _to_walls(
     surroundings: Surroundings, body: Placed, reach: float
 ) -> tuple[float, str, float, str]:
     """Signed distance to the nearest wall, and its name; the same for openings."""
-    seen = surroundings.nearest(body.samples, reach)
+    boundary = surroundings.nearest(body.samples, reach)
     result: list = []
-    for of_kind in (~seen.opening, seen.opening):
+    for of_kind in (~boundary.opening, boundary.opening):
         here = np.nonzero(of_kind)[0]
         if len(here) == 0:
             result += [np.inf, ""]
             continue
-        best = here[int(seen.distance[here].argmin())]
-        result += [float(seen.distance[best]), seen.names[best]]
+        best = here[int(boundary.distance[here].argmin())]
+        result += [float(boundary.distance[best]), boundary.names[best]]
     return result[0], result[1], result[2], result[3]
 
 
-def push(
+def contact_pressure(
     surroundings: Surroundings, neighbours: Neighbours, number: int, contact: Contact
-) -> Push | None:
+) -> ContactPressure | None:
     """The pressure (M,) of a contact rule at points (dim, M) of one of the bodies, if any."""
     if not contact.reach:
         return None
 
     def pressure(points: Array) -> Array:
-        seen = surroundings.nearest(points, contact.reach)
-        walls = np.where(seen.opening, np.inf, seen.distance)
+        boundary = surroundings.nearest(points, contact.reach)
+        walls = np.where(boundary.opening, np.inf, boundary.distance)
         others = neighbours.gaps(number, points, contact.reach)
         return contact.pressure(np.minimum(walls, others))
 

@@ -1,4 +1,4 @@
-"""What bodies are in, and how they feel each other."""
+"""The environment of bodies: surroundings, quadrature rule, contact rule and far field."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ from cadbem.suspension.surroundings.surroundings import Surroundings
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """The ``flow`` that bodies are in, the ``rule`` that integrates over them, the ``contact``
-    rule in narrow gaps, and how they see each other from afar (``far``, None: by direct sums)."""
+    """The ``flow`` that bodies are in, the ``rule`` that integrates over them, the ``contact`` rule
+    in narrow gaps, and the equivalent sources of distant bodies (``far``, None: direct sums)."""
 
     flow: Surroundings
     rule: SelfRule = PolarRule()

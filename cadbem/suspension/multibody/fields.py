@@ -24,15 +24,16 @@ def velocity_at(
 ) -> Array:
     """Velocity (dim, M) at points (dim, M) off the bodies' surfaces.
 
-    The flow without bodies, what each of them makes and what walls make of that; inside a droplet
-    all this is λ times the velocity, inside a rigid body the velocity is known.
+    The sum of the flow without bodies, of the velocity that each body induces, and of the velocity
+    that walls reflect.  Inside a droplet this sum is λ times the velocity; inside a rigid body the
+    velocity is that of the rigid motion.
     """
     position = np.ascontiguousarray(points, dtype=float)
     system = MultibodySystem(surroundings, tuple(bodies), far=far)
     densities = [r.densities for r in responses]
     at_walls = system.velocity_at_walls(densities)
     total = surroundings.at(position).velocity(at_walls)
-    total = total + system.made_at(position, densities)
+    total = total + system.induced_at(position, densities)
     for body, response in zip(bodies, responses, strict=True):
         inside = body.distance(position) < 0
         total[:, inside] = body.inner_velocity(response, position[:, inside], total[:, inside])

@@ -18,7 +18,7 @@ from cadbem.suspension.surroundings.flows import BackgroundFlow
 
 @dataclass(frozen=True, eq=False)
 class Measures:
-    """What is known of a droplet at one time; its 'volume' is an area, its 'area' a length in 2D.
+    """Measures of a droplet at one time; its 'volume' is an area, its 'area' a length in 2D.
 
     Shape: ``volume``, ``area``, ``centre`` of volume (dim,); ``longest`` and ``shortest`` distance
     of the surface from the centre and their ``directions`` (2, dim); Taylor's ``deformation`` made

@@ -1,8 +1,10 @@
-"""Bodies together: droplets and rigid particles that feel each other and walls.
+"""The equations of several bodies, droplets and rigid particles, that interact with each other and
+with walls.
 
-Each has an equation A w = b + L[u∞] (see ``body``), where u∞ is the flow without bodies, what the
-others make, and what walls make of all.  Those whose fields depend on w are solved at once, by
-GMRES; the others, such as droplets with λ = 1, then only need to be asked.
+Each body has an equation A w = b + L[u∞] (see ``body``), where u∞ is the flow without bodies, the
+velocity that the other bodies induce, and the velocity that walls reflect of all.  The bodies whose
+induced velocity depends on w are coupled and solved at once, by GMRES; the w of the others, such as
+droplets with λ = 1, then follows explicitly.
 """
 
 from __future__ import annotations
@@ -18,19 +20,26 @@ from scipy.sparse.linalg import LinearOperator, gmres
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.operators.far.equivalent import FarField, ball_around
-from cadbem.operators.far.exchange import Cloud, Exchange, clouds_of
+from cadbem.operators.far.interactions import FarInteractions, TargetCluster, target_clusters
 from cadbem.operators.parallel import in_shares
 from cadbem.spline.basis import Array
-from cadbem.suspension.bodies.body import NOTHING, Densities, Equation, Placed, Push, Seen
+from cadbem.suspension.bodies.body import (
+    NOTHING,
+    ContactPressure,
+    Densities,
+    Equation,
+    NearField,
+    Placed,
+)
 from cadbem.suspension.bodies.droplet import PlacedDroplet
 from cadbem.suspension.interface.laws import Jump
-from cadbem.suspension.multibody.contact import Contact, StopAtGap, push
+from cadbem.suspension.multibody.contact import Contact, StopAtGap, contact_pressure
 from cadbem.suspension.multibody.neighbours import Neighbours
 from cadbem.suspension.surroundings.surroundings import Incident, Surroundings
 
 SOLVER_TOLERANCE = 1e-8
-ABOVE_WALLS = 10.0  # times the error of walls' answers, below which no iteration can come
-NO_PUSH = StopAtGap()
+ABOVE_WALLS = 10.0  # times the error of the reflected velocity: no iteration comes below it
+NO_CONTACT = StopAtGap()
 FAR = FarField()
 
 Numbers = tuple[int, ...]
@@ -39,14 +48,14 @@ Numbers = tuple[int, ...]
 def velocity_responses(
     surroundings: Surroundings,
     bodies: Sequence[Placed],
-    contact: Contact = NO_PUSH,
+    contact: Contact = NO_CONTACT,
     guess: Sequence[Array] = (),
     far: FarField | None = FAR,
 ) -> list[Any]:
-    """The response of each of several bodies, which a ``contact`` rule may push apart.
+    """The response of each of several bodies, with the pressure of a ``contact`` rule.
 
-    A ``guess`` of all unknowns, such as those of a moment ago, saves iterations.  Without ``far``
-    all pairs are summed directly, for comparison.
+    A ``guess`` of all unknowns, such as those of the time before, saves iterations.  Without
+    ``far`` all pairs are summed directly, for comparison.
 
     Raises ConditionError when the iteration fails, or when two laws have an unknown of their own.
     """
@@ -68,77 +77,77 @@ def _close(system: MultibodySystem, number: int, body: PlacedDroplet) -> list[An
 
 
 @dataclass(frozen=True, eq=False)
-class View:
-    """What ``bodies`` make at the points of an ``exchange``."""
+class InducedField:
+    """The velocity that ``bodies`` induce at the points of an ``interactions``."""
 
     bodies: Sequence[Placed]
-    exchange: Exchange
+    interactions: FarInteractions
 
-    def made(self, densities: Sequence[Densities], sources: Sequence[int]) -> Array:
-        """Velocity (dim, M) that some of them, the ``sources``, make: Σ (S[q] + D[u]) / 2h."""
+    def velocity(self, densities: Sequence[Densities], sources: Sequence[int]) -> Array:
+        """Velocity (dim, M) that some of them, the ``sources``, induce: Σ (S[q] + D[u]) / 2h."""
         active = [j for j in sources if densities[j] is not NOTHING]
-        total = self.exchange.apply(active, lambda j: self.bodies[j].sources(densities[j]))
+        total = self.interactions.apply(active, lambda j: self.bodies[j].sources(densities[j]))
         total /= 2 * stokes_sums(len(total)).free_term
-        close = in_shares(lambda j: self._seen[j].velocity(densities[j]), active)
+        close = in_shares(lambda j: self._near_fields[j].velocity(densities[j]), active)
         for j, part in zip(active, close, strict=True):
-            total[:, self.exchange.near(j)] += part
+            total[:, self.interactions.near(j)] += part
         return total
 
     @cached_property
-    def _seen(self) -> list[Seen]:
-        """Each body as seen from the points near it."""
-        points, near = self.exchange.points, self.exchange.near
-        return [body.seen_from(points[:, near(j)]) for j, body in enumerate(self.bodies)]
+    def _near_fields(self) -> list[NearField]:
+        """The evaluation of each body's layers at the points near it."""
+        points, near = self.interactions.points, self.interactions.near
+        return [body.near_field(points[:, near(j)]) for j, body in enumerate(self.bodies)]
 
 
 @dataclass(frozen=True, eq=False)
 class MultibodySystem:
-    """Bodies at one moment, and what they see of each other, which is worked out once."""
+    """Bodies at one moment, with all that their interactions need and that is evaluated once."""
 
     surroundings: Surroundings
     bodies: tuple[Placed, ...]
-    contact: Contact = NO_PUSH
+    contact: Contact = NO_CONTACT
     guess: tuple[Array, ...] = ()
     far: FarField | None = FAR
-    _views: dict[Numbers, View] = field(default_factory=dict)
+    _fields: dict[Numbers, InducedField] = field(default_factory=dict)
     _incidents: dict[Numbers, Incident] = field(default_factory=dict)
 
     def solve(self, jumps: dict[int, Jump]) -> list[Any]:
         """Responses, with given jumps of some of the bodies."""
         viscosity, deflated = self.surroundings.viscosity, self.surroundings.deflated
         equations = [
-            b.equation(viscosity, deflated, self._push(i), jumps.get(i))
+            b.equation(viscosity, deflated, self._contact_pressure(i), jumps.get(i))
             for i, b in enumerate(self.bodies)
         ]
         return _Equations(self, equations).responses()
 
-    def _push(self, number: int) -> Push | None:
-        return push(self.surroundings, self._neighbours, number, self.contact)
+    def _contact_pressure(self, number: int) -> ContactPressure | None:
+        return contact_pressure(self.surroundings, self._neighbours, number, self.contact)
 
     @cached_property
     def _neighbours(self) -> Neighbours:
         return Neighbours(self.bodies)
 
     def velocity_at_walls(self, densities: Sequence[Densities]) -> Array:
-        """What bodies make at the walls' points (dim, W)."""
-        return self.made(densities, tuple(range(len(self.bodies))), ())[0]
+        """The velocity (dim, W) that bodies induce at the walls' points."""
+        return self.induced(densities, tuple(range(len(self.bodies))), ())[0]
 
-    def made(
+    def induced(
         self, densities: Sequence[Densities], sources: Numbers, receivers: Numbers
     ) -> tuple[Array, list[Array]]:
-        """What ``sources`` make at the walls (dim, W), and at the targets of others among the
-        ``receivers`` (dim, N) each."""
-        if receivers not in self._views:
-            self._views[receivers] = self._view(receivers)
-        made = self._views[receivers].made(densities, sources)
-        felt = [self.bodies[i].targets for i in receivers]
-        walls, *others = _split(made, [self._walls, *felt])
+        """The velocity that ``sources`` induce at the walls (dim, W), and that which others among
+        them induce at the targets of each of the ``receivers`` (dim, N)."""
+        if receivers not in self._fields:
+            self._fields[receivers] = self._field(receivers)
+        velocity = self._fields[receivers].velocity(densities, sources)
+        targets = [self.bodies[i].targets for i in receivers]
+        walls, *others = _split(velocity, [self._walls, *targets])
         return walls, others
 
-    def made_at(self, points: Array, densities: Sequence[Densities]) -> Array:
-        """What all bodies make at points (dim, M) off them."""
-        view = View(self.bodies, self._exchange(points, clouds_of(points)))
-        return view.made(densities, range(len(self.bodies)))
+    def induced_at(self, points: Array, densities: Sequence[Densities]) -> Array:
+        """The velocity that all bodies induce at points (dim, M) off their surfaces."""
+        induced = InducedField(self.bodies, self._interactions(points, target_clusters(points)))
+        return induced.velocity(densities, range(len(self.bodies)))
 
     @cached_property
     def _walls(self) -> Array:
@@ -146,19 +155,21 @@ class MultibodySystem:
         walls = self.surroundings.walls
         return self.bodies[0].targets[:, :0] if walls is None else walls
 
-    def _view(self, receivers: Numbers) -> View:
-        """All bodies as seen from the walls and from some bodies' targets."""
-        clouds, parts = clouds_of(self._walls), [self._walls]
+    def _field(self, receivers: Numbers) -> InducedField:
+        """The velocity of all bodies at the walls and at some bodies' targets."""
+        clusters, parts = target_clusters(self._walls), [self._walls]
         for i in receivers:
             first = sum(part.shape[1] for part in parts)
             parts.append(self.bodies[i].targets)
-            clouds.append(Cloud(first + np.arange(parts[-1].shape[1]), i))
-        return View(self.bodies, self._exchange(np.concatenate(parts, axis=1), clouds))
+            clusters.append(TargetCluster(first + np.arange(parts[-1].shape[1]), i))
+        return InducedField(
+            self.bodies, self._interactions(np.concatenate(parts, axis=1), clusters)
+        )
 
-    def _exchange(self, points: Array, clouds: list[Cloud]) -> Exchange:
+    def _interactions(self, points: Array, clusters: list[TargetCluster]) -> FarInteractions:
         balls = [ball_around(b.samples) for b in self.bodies]
         expansions = self.far.expansions(len(points)) if self.far else ()
-        return Exchange(expansions, balls, points, clouds)
+        return FarInteractions(expansions, balls, points, clusters)
 
     def incident(self, receivers: Numbers) -> Incident:
         """The surroundings at some bodies' targets."""
@@ -185,44 +196,47 @@ class _Equations:
         return tuple(i for i in self._all if self.equations[i].couples)
 
     @property
-    def _rest(self) -> Numbers:
-        """Bodies that only need to be asked."""
+    def _explicit(self) -> Numbers:
+        """Bodies whose unknowns follow explicitly from those of the coupled ones."""
         return tuple(i for i in self._all if i not in self._coupled)
 
     def responses(self) -> list[Any]:
-        """Solve, and tell each body what became of it."""
+        """The responses of all bodies, from the solution of the coupled system."""
         unknowns, iterations = self._rights(), 0
         if self._coupled:
             found, iterations = self._iterate([unknowns[i] for i in self._coupled])
             for i, w in zip(self._coupled, found, strict=True):
                 unknowns[i] = w
-            for i, felt in zip(self._rest, self._felt(unknowns, self._rest), strict=True):
-                unknowns[i] = unknowns[i] + self.equations[i].answer(felt)
+            incident = self._incident(unknowns, self._explicit)
+            for i, velocity in zip(self._explicit, incident, strict=True):
+                unknowns[i] = unknowns[i] + self.equations[i].incident_term(velocity)
         pairs = zip(self.equations, unknowns, strict=True)
         return [e.response(w, iterations) for e, w in pairs]
 
     def _rights(self) -> list[Array]:
-        """b + L[u∞] of each equation, with the flow without bodies and what loads make."""
-        loads = [e.load for e in self.equations]
-        sources = tuple(i for i in self._all if loads[i] is not NOTHING)
-        walls, felt = self.system.made(loads, sources, self._all)
-        rights = [e.start for e in self.equations]
-        for group in filter(None, (self._coupled, self._rest)):
+        """b + L[u∞] of each equation, for the flow without bodies and the velocity that the fixed
+        densities induce."""
+        fixed = [e.fixed_densities for e in self.equations]
+        sources = tuple(i for i in self._all if fixed[i] is not NOTHING)
+        walls, induced = self.system.induced(fixed, sources, self._all)
+        rights = [e.right_side for e in self.equations]
+        for group in filter(None, (self._coupled, self._explicit)):
             incident = self.system.incident(group).velocity(walls if sources else None)
             for i, part in zip(group, self._split(incident, group), strict=True):
-                rights[i] = rights[i] + self.equations[i].answer(part + felt[i])
+                rights[i] = rights[i] + self.equations[i].incident_term(part + induced[i])
         return rights
 
-    def _felt(self, unknowns: Sequence[Array], receivers: Numbers) -> list[Array]:
-        """Velocities (dim, N) at receivers' targets that the unknowns of coupled bodies bring."""
+    def _incident(self, unknowns: Sequence[Array], receivers: Numbers) -> list[Array]:
+        """Incident velocities (dim, N) at receivers' targets that the unknowns of coupled bodies
+        cause, directly and by reflection from walls."""
         if not receivers:
             return []
         densities = [NOTHING] * len(self.equations)
         for i in self._coupled:
             densities[i] = self.equations[i].densities(unknowns[i])
-        walls, felt = self.system.made(densities, self._coupled, receivers)
+        walls, induced = self.system.induced(densities, self._coupled, receivers)
         reflected = self.system.incident(receivers).reflected(walls)
-        return [a + b for a, b in zip(felt, self._split(reflected, receivers), strict=True)]
+        return [a + b for a, b in zip(induced, self._split(reflected, receivers), strict=True)]
 
     def _split(self, values: Array, receivers: Numbers) -> list[Array]:
         """The parts (dim, N) that belong to each receiver's targets."""
@@ -233,10 +247,10 @@ class _Equations:
         unknowns: list[Array] = [np.empty(0)] * len(self.equations)
         for i, w in zip(self._coupled, values, strict=True):
             unknowns[i] = np.ascontiguousarray(w)
-        felt = self._felt(unknowns, self._coupled)
+        incident = self._incident(unknowns, self._coupled)
         active = [self.equations[i] for i in self._coupled]
         own = in_shares(lambda pair: pair[0].apply(pair[1]), zip(active, values, strict=True))
-        return [w - e.answer(v) for e, w, v in zip(active, own, felt, strict=True)]
+        return [w - e.incident_term(v) for e, w, v in zip(active, own, incident, strict=True)]
 
     def _iterate(self, rights: Sequence[Array]) -> tuple[list[Array], int]:
         residuals: list[float] = []

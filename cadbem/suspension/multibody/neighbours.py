@@ -1,4 +1,4 @@
-"""Gaps between many bodies."""
+"""Neighbours: gaps between many bodies."""
 
 from __future__ import annotations
 

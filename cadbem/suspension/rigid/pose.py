@@ -1,4 +1,4 @@
-"""Where a rigid body is and how it is turned."""
+"""The pose of a rigid body: its position and orientation."""
 
 from __future__ import annotations
 

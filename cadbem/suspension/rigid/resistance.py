@@ -6,9 +6,9 @@ the viscosity and u∞ the velocity that everything but the body makes,
     S[f] / (2 h μ) + U + Ω × (x - c) = u∞,    ∫ f dS = -F,    ∫ (x - c) × f dS = -T
 
 for the traction f of the fluid on the body, the velocity U of its centre c, the angular velocity Ω,
-and the force F and torque T that act on it from without.  A pressure f = n inside makes nothing; it
-is left out by ∫ f·n dS = 0, with a multiple of n to make room.  In the body's own axes the matrix
-is constant.
+and the external force F and torque T on it.  The traction f = n, a pressure inside, has no velocity
+outside; it is excluded by ∫ f·n dS = 0, with a multiple of n to make room.  In the body's own axes
+the matrix is constant.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Resistance:
 
     @cached_property
     def kernel(self) -> Kernel:
-        """That of the velocity."""
+        """The kernel of the velocity."""
         return stokes_kernels(self.dimension)[0]
 
     @cached_property
@@ -98,7 +98,7 @@ class Resistance:
 
     @cached_property
     def nearest(self) -> NearestSearch:
-        """What finds nearest points on the surface."""
+        """The search for nearest points on the surface."""
         return NearestSearch(self.boundary)
 
     @cached_property
@@ -141,7 +141,7 @@ class Resistance:
             rows.append((fields.reshape(-1, len(weights)) @ basis).reshape(*fields.shape[:2], -1))
         return np.concatenate(rows, axis=2)
 
-    def respond(self, velocity: Array, load: Array) -> tuple[Array, Array]:
+    def solve(self, velocity: Array, load: Array) -> tuple[Array, Array]:
         """f / μ, coefficients (dim, F), and (U, Ω) in one array, in a velocity u∞ (dim, F) at the
         collocation points, with (F, T) / μ in one array ``load``."""
         solved = self.factors.solve(velocity, np.append(-load, 0.0))

@@ -1,3 +1,3 @@
-"""What bodies are in: an undisturbed flow, or a channel with walls, in; the velocity that bodies
-feel of it out.
+"""Surroundings of bodies: an undisturbed flow, or a channel with walls, in; the incident velocity
+at bodies out.
 """

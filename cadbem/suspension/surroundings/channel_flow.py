@@ -1,4 +1,4 @@
-"""Bodies in a channel: its walls answer to what they do."""
+"""The flow in a channel with bodies: the empty channel, and the velocity reflected by its walls."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ class ChannelFlow:
 
     @property
     def background(self) -> None:
-        """None: the fluid is bounded."""
+        """None, as the fluid is bounded."""
         return None
 
     @cached_property
@@ -48,7 +48,7 @@ class ChannelFlow:
 
     @property
     def accuracy(self) -> float:
-        """That of the channel's linear system."""
+        """Relative error of the channel's linear system."""
         return self.problem.layers.tolerance
 
     @property
@@ -85,8 +85,8 @@ class ChannelFlow:
         return Nearest(distance, names, np.array(opening))
 
     def solution(self, induced: Array) -> StokesSolution:
-        """The flow with bodies that make ``induced`` (dim, W) at the walls, without the field
-        of the bodies themselves."""
+        """The flow with bodies that induce the velocity ``induced`` (dim, W) at the walls, without
+        the field of the bodies themselves."""
         return self.empty + self.problem.reflection(induced)
 
 

@@ -1,4 +1,4 @@
-"""Background flows: what the fluid does far away from all bodies.
+"""Background flows: the velocity of the fluid far away from all bodies.
 
 Each offers the velocity u (dim, N), its gradient (dim, dim, N) with [i, j] = ∂u_i / ∂x_j and the
 pressure p (N,) per unit of the outer fluid's viscosity μ, so that its stress is

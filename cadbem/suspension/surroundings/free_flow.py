@@ -29,12 +29,12 @@ class FreeFlow:
 
     @property
     def accuracy(self) -> float:
-        """Exact."""
+        """Zero: the background flow is exact."""
         return 0.0
 
     @property
     def walls(self) -> None:
-        """None."""
+        """None, as there are no walls."""
         return None
 
     def at(self, points: Array) -> _Undisturbed:
@@ -42,7 +42,7 @@ class FreeFlow:
         return _Undisturbed(self.background, points)
 
     def nearest(self, points: Array, reach: float) -> Nearest:
-        """Nothing."""
+        """Distances inf, as there is no boundary."""
         count = points.shape[1]
         return Nearest(np.full(count, np.inf), [""] * count, np.zeros(count, dtype=bool))
 

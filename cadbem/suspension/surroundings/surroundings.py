@@ -1,4 +1,4 @@
-"""The fluid that bodies are in, as they feel it."""
+"""The protocols of surroundings, which unbounded fluid and channels fulfil."""
 
 from __future__ import annotations
 
@@ -13,21 +13,21 @@ from cadbem.suspension.surroundings.flows import BackgroundFlow
 
 
 class Incident(Protocol):
-    """The flow at fixed points, without what bodies make there directly.
+    """The flow at fixed points, without the velocity that bodies induce there directly.
 
-    ``induced`` (dim, W) is what bodies make at the walls' points.
+    ``induced`` (dim, W) is the velocity that bodies induce at the walls' points.
     """
 
     def velocity(self, induced: Array | None) -> Array:
-        """Velocity (dim, M): the flow without bodies, and what walls add to that of bodies."""
+        """Velocity (dim, M): the flow without bodies plus the velocity that walls reflect."""
 
     def reflected(self, induced: Array) -> Array:
-        """What walls add alone."""
+        """The reflected velocity (dim, M) alone."""
 
 
 @dataclass(frozen=True, eq=False)
 class Nearest:
-    """The boundary as seen from M points: ``distance`` (M,), negative outside the fluid and inf
+    """The boundary near M points: ``distance`` (M,), negative outside the fluid and inf
     where there is none near; the ``names`` of the nearest faces, and whether they are an
     ``opening`` (M,)."""
 
@@ -53,11 +53,12 @@ class Surroundings(Protocol):
 
     @property
     def accuracy(self) -> float:
-        """Relative error of what walls add, beyond round-off and that of their points."""
+        """Relative error of the reflected velocity, beyond round-off and that of the
+        discretisation."""
 
     @property
     def walls(self) -> Array | None:
-        """Points (dim, W) at which walls must know what bodies make, if there are walls."""
+        """Points (dim, W) of walls at which the induced velocity is needed, if there are walls."""
 
     def at(self, points: Array) -> Incident:
         """The flow at points (dim, M)."""

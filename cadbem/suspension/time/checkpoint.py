@@ -1,4 +1,4 @@
-"""A state from which a run goes on, and the coordinates of all its bodies in one array."""
+"""A checkpoint, from which a run continues, and the coordinates of all bodies in one array."""
 
 from __future__ import annotations
 

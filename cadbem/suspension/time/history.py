@@ -1,4 +1,4 @@
-"""A run kept: its states, and what became of bodies over time."""
+"""The history of a run: its states, and the shapes and paths of bodies over time."""
 
 from __future__ import annotations
 
@@ -182,7 +182,7 @@ def plane_angle(vectors: Array, period: float = 360.0) -> Array:
 
 
 def record(states: Iterable[State]) -> History:
-    """Go through a run, such as ``simulation.run(5.0, every=0.1)``, and keep its states."""
+    """The history of a run, such as ``simulation.run(5.0, every=0.1)``, whose states are kept."""
     start = time.process_time()
     kept = tuple(states)
     return History(kept, time.process_time() - start)

@@ -1,4 +1,4 @@
-"""Bodies moving in time: velocities, steps, repairs, and when to stop."""
+"""The simulation of bodies in time: velocities, steps, corrections, and reasons to stop."""
 
 from __future__ import annotations
 
@@ -39,9 +39,9 @@ class Simulation:
 
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
-    ``contact`` says what happens in narrow gaps; ``far`` how bodies see each other and walls from
-    afar (None: by direct sums).  Bodies that reach an opening of the channel have left and are
-    taken out; the run ends with the last.
+    ``contact`` is the rule for narrow gaps; ``far`` are the equivalent sources of distant bodies
+    (None: direct sums).  Bodies that reach an opening of the channel have left and are taken out;
+    the run ends with the last.
     """
 
     flow: Surroundings
@@ -73,15 +73,15 @@ class Simulation:
 
     @property
     def environment(self) -> Environment:
-        """What the bodies are in, and how they feel each other."""
+        """The surroundings and rules that all states of the run share."""
         return Environment(self.flow, self.rule, self.contact, self.far)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
 
-        What can no longer be resolved ends the run early: the last state is the last sound one,
-        and its ``stopped`` tells why.  Raises ConditionError for bodies that are not inside the
-        channel, or overlap.
+        A run ends early when points no longer resolve a shape or a gap: the last state is the last
+        valid one, and its ``stopped`` says why.  Raises ConditionError for bodies that are not
+        inside the channel, or overlap.
         """
         for states, _ in self.advance(end, every):
             yield from states
@@ -165,13 +165,13 @@ class Simulation:
         )  # fmt: skip
 
     def _needs_slope(self, slope: Array | None) -> bool:
-        """Whether the slope at a step's end must be worked out for the next step."""
+        """Whether the slope at the end of a step is needed for the next step."""
         return slope is None or self.mesh is not None
 
     def _accept(
         self, old: State, after: State, slope: Array | None, following: float
     ) -> Checkpoint:
-        """The checkpoint after a step; the old one, stopped, if it is not sound.
+        """The checkpoint after a step; the old one, stopped, if the new one is not valid.
 
         The state is made anew only where it changes: it has its gaps worked out.
         """

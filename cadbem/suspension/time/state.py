@@ -33,8 +33,8 @@ class State:
     ``steps`` and ``evaluations`` of the velocities so far, the ``length`` of the last step, and
     ``drift``, the largest relative error of a volume that it made, before correction.
 
-    ``left`` tells of each body that has left the channel, by its number, when and where;
-    ``guess`` has unknowns of the bodies' equations a moment ago, or nothing.
+    ``left`` says of each body that has left the channel, by its number, when and where it left;
+    ``guess`` has the unknowns of the bodies' equations at the time before, or nothing.
     ``stopped`` is empty, or says why a run ended early.
     """
 
@@ -58,12 +58,12 @@ class State:
 
     @property
     def flow(self) -> Surroundings:
-        """What the bodies are in."""
+        """The surroundings of the bodies."""
         return self.environment.flow
 
     @property
     def droplets(self) -> tuple[Droplet, ...]:
-        """Those bodies that are droplets."""
+        """The bodies that are droplets."""
         return tuple(b for b in self.bodies if isinstance(b, Droplet))
 
     @property
@@ -82,7 +82,7 @@ class State:
 
     @cached_property
     def placed(self) -> list[Placed]:
-        """Each body with its geometry worked out."""
+        """Each body with its geometry evaluated."""
         return [b.placed(self.environment.rule) for b in self.bodies]
 
     @property
@@ -97,7 +97,7 @@ class State:
 
     @property
     def response(self) -> Any:
-        """That of the first body."""
+        """The response of the first body."""
         return self.responses[0]
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Time stepping: from one state (an array) to the next, with as few evaluations as may be.
+"""Time stepping of an array of coordinates, with few evaluations of its rate.
 
 Capillary relaxation is stiff with real negative rates, the largest growing with the number of
 points.  The default method is therefore a stabilised explicit one, Runge-Kutta-Chebyshev of second
@@ -26,8 +26,9 @@ DAMPING = 2 / 13
 
 @dataclass(frozen=True, eq=False)
 class Step:
-    """What came of an attempt: the new ``state``, its ``slope`` if known, the estimated ``error``
-    (an array like the state) and its power of the step's length, and the ``evaluations`` spent."""
+    """The result of an attempted step: the new ``state``, its ``slope`` if known, the estimated
+    ``error`` (an array like the state) and its power of the step's length, and the ``evaluations``
+    spent."""
 
     state: Array
     slope: Array | None

@@ -1,4 +1,4 @@
-"""The thesis's methods, to compare with."""
+"""The methods of the thesis, for comparison."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from cadbem.suspension.time.stepping import Euler
 
 
 def thesis_methods(step: float = 0.01) -> dict[str, Any]:
-    """Keyword arguments of ``Simulation`` that make it go the thesis's way: Euler's steps, points
+    """Keyword arguments of ``Simulation`` for the methods of the thesis: Euler's steps, points
     that move with the normal velocity (Eq. 3.12), singularity subtraction (Eq. 4.4), and the
     volume corrected when it is wrong by 0.1 %.  Its splines have degree 2; the mesh is not relaxed.
     """

@@ -31,7 +31,7 @@ def labelled(part: str, runs: Mapping) -> Runs:
     return {(part, *(key if isinstance(key, tuple) else (key,))): r for key, r in runs.items()}
 
 
-def told(folder: Folder) -> None:
+def note_pictures(folder: Folder) -> None:
     """Says where pictures are."""
     print(f"the pictures are in {folder}")
 

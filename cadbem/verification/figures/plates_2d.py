@@ -23,8 +23,8 @@ from cadbem.verification.figures.common import (
     Simulate,
     channel,
     channel_flow,
+    note_pictures,
     report_stopped,
-    told,
 )
 from cadbem.verification.plates import between_plane_plates
 from cadbem.verification.theory import far_plates
@@ -47,7 +47,7 @@ def tell_widths(
     report_widths(runs, ratio)
     if folder:
         draw_widths(folder, runs, ratio)
-        told(folder)
+        note_pictures(folder)
     return runs
 
 
@@ -58,7 +58,7 @@ def drift_runs(simulate: Simulate, folder: Folder) -> dict[float, History]:
     report_drift(runs)
     if folder:
         draw_drift(folder, runs)
-        told(folder)
+        note_pictures(folder)
     return runs
 
 

@@ -11,7 +11,7 @@ from cadbem.post import draw_droplets
 from cadbem.post.style.plots import Curve, Plot, draw_plots
 from cadbem.suspension.time.stepping import Adaptive
 from cadbem.tables import text_table
-from cadbem.verification.figures.common import Runs, Simulate, report_stopped, told
+from cadbem.verification.figures.common import Runs, Simulate, note_pictures, report_stopped
 from cadbem.verification.theory import cox
 from cadbem.verification.true_series import SHEAR
 
@@ -30,7 +30,7 @@ def tell_shape(folder: Folder, case: tuple[float, float], runs: Runs) -> dict[st
     report_shape(case, runs)
     if folder:
         draw_shapes(folder, case, runs)
-        told(folder)
+        note_pictures(folder)
     found = runs["ours",].last.measures[0]
     return {"D": found.deformation, "inclination (degrees)": found.inclination}
 
@@ -50,7 +50,7 @@ def volume_runs(
     report_volume(runs)
     if folder:
         draw_plots(folder / "volume.png", [small_plot(runs), volume_plot(runs)])
-        told(folder)
+        note_pictures(folder)
     return runs
 
 

@@ -10,6 +10,7 @@ from test_closed_layers import layers_of, wavy
 
 import cadbem as cb
 from cadbem.boundary import Boundary, Patch
+from cadbem.quadrature.closed import PolarRule
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box
 from cadbem.suspension.bodies.droplet import PlacedDroplet
@@ -30,8 +31,8 @@ class Undisturbed:
     def jump_of(self, layers):
         return lambda points: 2 * (1 - self.ratio) * self.strain @ points.normal
 
-    def close(self, layers, respond):
-        return respond(self.jump_of(layers)), self.jump_of(layers)
+    def close(self, layers, velocity_response):
+        return velocity_response(self.jump_of(layers)), self.jump_of(layers)
 
 
 def shifted(dimension: int, n: int, centre, size: float) -> cb.ClosedSpline:
@@ -46,7 +47,7 @@ def errors(flow, surroundings, shapes, ratios) -> float:
     strain = flow.gradient(np.zeros((dim, 1)))[..., 0]
     strain = (strain + strain.T) / 2
     drops = [cb.Droplet(s, Undisturbed(strain, r), r) for s, r in zip(shapes, ratios, strict=True)]
-    layers = [layers_of(s, cb.PolarRule(1e-5)) for s in shapes]
+    layers = [layers_of(s, PolarRule(1e-5)) for s in shapes]
     placed = [PlacedDroplet(d, of) for d, of in zip(drops, layers, strict=True)]
     found = velocity_responses(surroundings, placed)
     return max(

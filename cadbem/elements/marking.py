@@ -1,0 +1,110 @@
+"""Which elements are refined, and how: halved, cut near a singular side, or of a higher degree."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise, product
+
+import numpy as np
+
+from cadbem.boundary import Patch
+from cadbem.elements.initial import RATIO
+from cadbem.spline.basis import Array
+
+BOTH = 0.3  # share of the larger tail from which a direction is refined too
+SMOOTH = 0.25  # decay over two degrees from which a higher degree pays
+HIGHEST = 8  # degree
+MOST_STEPS = 2  # by which a degree is raised at once
+ONE_SIDED = 0.7  # share of the error near an end from which the cut is made there
+NEAR = 0.3  # share of an element that is near an end
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """What is known of one element: ``values``, a list of fields (c, n_u[, n_v]) at its Gauss
+    points, and where its error sits: ``places`` (p, N) in its unit square with ``amounts`` (N,)."""
+
+    values: Sequence[Array]
+    places: Array
+    amounts: Array
+
+
+def marked(shares: Array, bound: Array, portion: float) -> list[int]:
+    """Patches that make up a ``portion`` of each error that is above its bound.
+
+    ``shares`` (K, P) of the patches in K errors, ``bound`` (K,) for their sums.
+    """
+    chosen: set[int] = set()
+    for share, limit in zip(shares, bound, strict=True):
+        if share.sum() > limit:
+            order = np.argsort(-share)
+            count = int(np.searchsorted(np.cumsum(share[order]), portion * share.sum())) + 1
+            chosen |= set(order[:count].tolist())
+    return sorted(chosen)
+
+
+def refined(patch: Patch, evidence: Evidence, reduction: float) -> list[Patch]:
+    """The elements that take a patch's place, whose error should fall by the factor ``reduction``.
+
+    Where the Legendre coefficients of fields fall fast, degrees are raised by as much as that
+    takes; elsewhere the element is cut.
+    """
+    surface = patch.surface
+    spectra = _spectra(evidence.values)
+    tails = np.array([s[-2:].sum() for s in spectra])
+    wanted = [d for d, tail in enumerate(tails) if tail >= BOTH * tails.max()]
+    degrees, cuts = list(surface.degrees), [list(ends) for ends in surface.domain]
+    for d in wanted:
+        decay = _decay(spectra[d])
+        if decay < SMOOTH and degrees[d] < HIGHEST:
+            steps = round(2 * np.log(reduction) / -np.log(max(decay, 1e-3)))
+            degrees[d] = min(degrees[d] + int(np.clip(steps, 1, MOST_STEPS)), HIGHEST)
+        else:
+            low, high = surface.domain[d]
+            cuts[d].insert(1, low + (high - low) * _cut(evidence.places[d], evidence.amounts))
+    surface = surface.elevated(degrees)
+    boxes = product(*[list(pairwise(c)) for c in cuts])
+    return [replace(patch, surface=surface.restricted(*box)) for box in boxes]
+
+
+def _cut(places: Array, amounts: Array) -> float:
+    """Where to cut a direction: in the middle, or near the end at which the error sits."""
+    total = max(float(amounts.sum()), 1e-300)
+    if amounts[places < NEAR].sum() > ONE_SIDED * total:
+        return RATIO
+    if amounts[places > 1 - NEAR].sum() > ONE_SIDED * total:
+        return 1 - RATIO
+    return 0.5
+
+
+def _spectra(values: Sequence[Array]) -> list[Array]:
+    """For each direction the size of the Legendre coefficients of each degree, over all fields."""
+    directions = values[0].ndim - 1
+    spectra = [np.zeros(n) for n in values[0].shape[1:]]
+    for value in values:
+        coefficients = value
+        for d in range(directions):
+            table = _analysis(value.shape[1 + d])
+            coefficients = np.moveaxis(np.tensordot(table, coefficients, (1, 1 + d)), 0, 1 + d)
+        size = float(np.linalg.norm(coefficients))
+        if size > 0:
+            for d in range(directions):
+                rows = np.moveaxis(coefficients, 1 + d, 0).reshape(value.shape[1 + d], -1)
+                spectra[d] += np.linalg.norm(rows, axis=1) / size
+    return spectra
+
+
+def _analysis(count: int) -> Array:
+    """From values at Gauss points to coefficients of normalised Legendre polynomials."""
+    nodes, weights = np.polynomial.legendre.leggauss(count)
+    table = np.polynomial.legendre.legvander(nodes, count - 1)
+    return (table * weights[:, None] * np.sqrt(np.arange(count) + 0.5)).T
+
+
+def _decay(spectrum: Array) -> float:
+    """How much smaller the last two coefficients are than the two before."""
+    if len(spectrum) < 3:
+        return 0.0  # too few to tell: a higher degree will
+    before = spectrum[-4:-2].sum() if len(spectrum) > 3 else spectrum[-3]
+    return float(spectrum[-2:].sum() / max(before, 1e-300))

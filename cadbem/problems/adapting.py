@@ -1,0 +1,126 @@
+"""Solving to an accuracy: solve, estimate, refine where it must be, again."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections.abc import Callable
+from math import ceil, log
+from typing import TypeVar
+
+import numpy as np
+
+from cadbem.boundary import Boundary
+from cadbem.elements.initial import RATIO, first_elements
+from cadbem.elements.marking import Evidence, marked, refined
+from cadbem.errors import AccuracyWarning, ConditionError
+from cadbem.problems.estimates import Analysis
+from cadbem.progress import notice
+from cadbem.spline.basis import Array
+
+Solution = TypeVar("Solution")
+
+FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
+MOST_POINTS = 4000
+EXPONENT = 1.09  # errors of flow rates fall so with the size of elements at a right-angled edge
+SINGULAR = 3e-3  # error that such an edge makes with elements as large as the channel is wide
+PORTION = 0.7  # of an error, that of the elements that are refined
+GROWTH = 1.25  # of the points in a round, at least
+
+
+def adapted(
+    start: Boundary,
+    solve: Callable[[Boundary], tuple[Solution, Analysis]],
+    accuracy: float,
+    most_points: int,
+) -> tuple[Solution, Analysis]:
+    """The solution on elements that were refined until all estimates are below ``accuracy``.
+
+    A line a round says what was done.  When it would take more than ``most_points`` an
+    ``AccuracyWarning`` says so, and the best solution is returned.
+    """
+    if not FINEST <= accuracy <= COARSEST:
+        raise ConditionError(
+            f"accuracy={accuracy} is not between {FINEST:g} and {COARSEST:g}; it is the relative "
+            "error that you accept, such as 1e-3"
+        )
+    if not most_points > 0:
+        raise ConditionError(f"most_points={most_points}; give a positive number of points")
+    boundary = first_elements(start, _levels(accuracy)).elevated(_degree(accuracy))
+    best: tuple[Solution, Analysis] | None = None
+    number = 0
+    while True:
+        number, begin = number + 1, time.process_time()
+        solution, analysis = solve(boundary)
+        worst = analysis.accuracy.worst
+        notice(
+            f"round {number}: {analysis.checks.space.count} points, estimated error "
+            f"{worst.relative:.1e} ({worst.name}), {time.process_time() - begin:.1f} CPU s"
+        )
+        if best is None or worst.relative < best[1].accuracy.relative:
+            best = solution, analysis
+        if worst.relative <= accuracy:
+            return solution, analysis
+        boundary = _finer(boundary, analysis, accuracy)
+        if _points(boundary) > most_points:
+            break
+    error = best[1].accuracy.worst
+    warnings.warn(
+        f"the accuracy {accuracy:g} that was asked for is not reached: the estimated error of "
+        f"{error.name} is {error.relative:.1e} of its size, and the next round would take "
+        f"{_points(boundary)} points; allow more by most_points={2 * most_points}",
+        AccuracyWarning,
+        stacklevel=4,
+    )
+    return best
+
+
+def _levels(accuracy: float) -> int:
+    """Steps of grading towards re-entrant edges that an accuracy takes."""
+    return max(0, ceil(log(accuracy / (2 * SINGULAR)) / (EXPONENT * log(RATIO)) - 0.1))
+
+
+def _degree(accuracy: float) -> int:
+    return 3 if accuracy > 5e-4 else 4
+
+
+def _points(boundary: Boundary) -> int:
+    return sum(int(np.prod(p.surface.weights.shape)) for p in boundary.patches)
+
+
+def _finer(boundary: Boundary, analysis: Analysis, accuracy: float) -> Boundary:
+    """The boundary with those elements refined that the errors above ``accuracy`` come from."""
+    shares, portion = analysis.shares, PORTION
+    before, excess = _points(boundary), analysis.accuracy.relative / accuracy
+    while True:
+        chosen = set(marked(shares, np.full(len(shares), accuracy), portion))
+        patches = []
+        for i, patch in enumerate(boundary.patches):
+            if i in chosen:
+                patches += refined(patch, _evidence(analysis, i), max(excess, 2.0))
+            else:
+                patches.append(patch)
+        finer = Boundary(tuple(patches), boundary.source, boundary.unit)
+        if _points(finer) >= GROWTH * before or portion > 0.95:
+            return finer
+        portion = 1 - 0.6 * (1 - portion)
+
+
+def _evidence(analysis: Analysis, patch: int) -> Evidence:
+    """What the solution and its adjoints say of one element."""
+    space, checks = analysis.checks.space, analysis.checks
+    surface = space.boundary.patches[patch].surface
+    shape = surface.weights.shape
+    matrix, part = space.collocation_matrix(patch), space.functions(patch)
+    values = [_on_grid(matrix @ f[:, part].T, shape) for f in analysis.fields]
+    here = checks.patch == patch
+    low = np.array([ends[0] for ends in surface.domain])[:, None]
+    high = np.array([ends[1] for ends in surface.domain])[:, None]
+    places = (checks.parameters[:, here] - low) / (high - low)
+    amounts = abs(analysis.spots[:, here]).sum(axis=0) * checks.weights[here]
+    return Evidence(values, places, amounts)
+
+
+def _on_grid(values: Array, shape: tuple[int, ...]) -> Array:
+    return values.T.reshape(-1, *shape)
+

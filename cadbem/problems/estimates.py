@@ -1,0 +1,164 @@
+"""How wrong a solution may be, quantity by quantity.
+
+Let A q = b be the boundary equation and r = A q_h - b the residual of a computed q_h, which
+vanishes at the collocation points and not between them.  A linear functional J(q) = j·q has the
+adjoint z with Aᵀ z = j, and the error
+
+    J(q_h) - J(q) = ∫ z·r dS,
+
+exactly.  The transposed matrix gives z at the collocation points, once their weights are divided
+out.  Contributions of patches may cancel by luck; so the estimate is the sum of their absolute
+values, times ``SAFETY`` for what coarse check points miss beside singular edges.
+(Becker and Rannacher, Acta Numerica 10, 2001, for finite elements.)
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from cadbem.operators.solve import DenseFactors
+from cadbem.problems.functionals import Functional
+from cadbem.problems.mixed import MixedSystem
+from cadbem.problems.residual import CheckPoints
+from cadbem.spline.basis import Array
+
+SAFETY = 2.0
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """A ``quantity``'s ``value`` and its estimated ``error``, both in its own unit, and the
+    ``scale`` that makes the error relative."""
+
+    quantity: str
+    place: str
+    value: float
+    error: float
+    scale: float
+
+    @property
+    def name(self) -> str:
+        """What it is, in words."""
+        return f"{self.quantity} '{self.place}'" if self.place else self.quantity
+
+    @property
+    def relative(self) -> float:
+        """The error over the scale."""
+        return self.error / self.scale if self.scale > 0 else 0.0
+
+    def __str__(self) -> str:
+        return f"{self.name}: {self.value:.6g} ± {self.error:.1g}"
+
+
+@dataclass(frozen=True)
+class Accuracy:
+    """The ``estimates`` of a solution's errors, by quantity."""
+
+    estimates: tuple[Estimate, ...]
+
+    @property
+    def worst(self) -> Estimate:
+        """The estimate with the largest relative error."""
+        return max(self.estimates, key=lambda e: e.relative)
+
+    @property
+    def relative(self) -> float:
+        """The largest relative error."""
+        return self.worst.relative
+
+    def of(self, quantity: str, place: str = "") -> Estimate:
+        """The estimate of a quantity, such as "mean pressure" at a place of some name.
+
+        Raises ``KeyError`` for one that was not estimated.
+        """
+        for estimate in self.estimates:
+            if (estimate.quantity, estimate.place) == (quantity, place):
+                return estimate
+        known = ", ".join(e.name for e in self.estimates)
+        raise KeyError(f"no estimate of {quantity} {place!r}; there are: {known}")
+
+    def error(self, quantity: str, place: str = "") -> float:
+        """The estimated error of a quantity; 0 for what was given."""
+        found = [e for e in self.estimates if (e.quantity, e.place) == (quantity, place)]
+        return max((e.error for e in found), default=0.0)
+
+    def __str__(self) -> str:
+        return "\n".join(f"{e}  ({e.relative:.1e} relative)" for e in self.estimates)
+
+
+def adjoints(system: MixedSystem, functionals: Sequence[Functional]) -> Array:
+    """Values (M, rows, T) at the collocation points of the adjoint of each functional."""
+    factors = system.factors
+    assert isinstance(factors, DenseFactors), "compressed systems have no transpose"
+    unknowns = system.splits[0].value_mixing.shape[1]
+    right = np.zeros((len(functionals), unknowns, system.space.count))
+    for m, functional in enumerate(functionals):
+        for i, split in enumerate(system.splits):
+            part = system.space.functions(i)
+            right[m][:, part] = split.value_mixing.T @ functional.value_weights[:, part]
+            right[m][:, part] += split.flux_mixing.T @ functional.flux_weights[:, part]
+    return factors.solve_transposed(right) / system.space.weights
+
+
+@dataclass(frozen=True, eq=False)
+class Analysis:
+    """What is known of a solution's errors.
+
+    ``accuracy`` has the estimates, ``shares`` (K, P) what each patch adds to each relative error;
+    ``spots`` (M, N) are z·r at the ``checks``, and ``fields`` (·, F) coefficients of all fields
+    whose resolution counts: the solution's and the adjoints'.
+    """
+
+    accuracy: Accuracy
+    checks: CheckPoints
+    shares: Array
+    spots: Array
+    fields: tuple[Array, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Norm:
+    """An error that is a norm: its ``quantity``, the ``scale``, and the ``squares`` (P,) that
+    patches add to the square of it."""
+
+    quantity: str
+    scale: float
+    squares: Array
+
+
+def analysed(
+    functionals: Sequence[Functional],
+    norms: Sequence[Norm],
+    system: MixedSystem,
+    checks: CheckPoints,
+    residual: Array,
+    fields: Sequence[Array],
+) -> Analysis:
+    """Errors of functionals by their adjoints, and of norms as they are."""
+    space = system.space
+    adjoint = [space.interpolate(z) for z in adjoints(system, functionals)]
+    spots = [(checks.values(z) * residual).sum(axis=0) for z in adjoint]
+    found = [_estimate(f, checks, s) for f, s in zip(functionals, spots, strict=True)]
+    for norm in norms:
+        error = float(np.sqrt(norm.squares.sum()))
+        estimate = Estimate(norm.quantity, "", norm.scale, error, norm.scale)
+        found.append((estimate, norm.squares / max(error * norm.scale, 1e-300)))
+    return Analysis(
+        Accuracy(tuple(e for e, _ in found)), checks, np.array([s for _, s in found]),
+        np.array(spots).reshape(len(spots), -1), (*fields, *adjoint),
+    )  # fmt: skip
+
+
+def _estimate(functional: Functional, checks: CheckPoints, spots: Array) -> tuple[Estimate, Array]:
+    parts = abs(checks.by_patch(spots))
+    error = SAFETY * float(parts.sum())
+    estimate = Estimate(
+        functional.kind, functional.place, functional.value, error, functional.scale
+    )
+    # where z·r changes sign within a patch, the patch's sum says too little of where to refine
+    absolute = checks.by_patch(abs(spots))
+    balance = parts.sum() / max(float(absolute.sum()), 1e-300)
+    return estimate, 0.5 * SAFETY * (parts + balance * absolute) / max(functional.scale, 1e-300)

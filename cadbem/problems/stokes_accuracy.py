@@ -1,0 +1,226 @@
+"""Which numbers of a Stokes flow are judged, and how wrong they may be."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from cadbem.elements.shape import lengths
+from cadbem.errors import ConditionError
+from cadbem.kernels.stokes import stokes_kernels
+from cadbem.operators.interactions import Targets
+from cadbem.operators.layers import assemble_layers
+from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
+from cadbem.problems.constraints import normal_integrals
+from cadbem.problems.equations import StokesEquations
+from cadbem.problems.estimates import Analysis, Norm, analysed
+from cadbem.problems.functionals import Functional
+from cadbem.problems.mixed import patches_named
+from cadbem.problems.residual import CheckPoints, residual
+from cadbem.quadrature import Quadrature, Rules
+from cadbem.space import Field, rational_basis
+from cadbem.spline.basis import Array
+
+Goal = str | ArrayLike
+WALL_SHEAR, OPENINGS = "wall shear", "openings"
+SLIP_SAFETY = 1.5  # factor of the slip's effect in the fluid, by comparison with finer flows
+CHECKED = 1e-5  # tolerance of integrals: residuals need few digits
+
+
+def analyse(
+    equations: StokesEquations,
+    velocity: Field,
+    traction: Field,
+    background: Background,
+    goal: Goal | None = None,
+) -> Analysis:
+    """Estimated errors of a flow with ``velocity`` and ``traction`` on its boundary.
+
+    Without a ``goal``: of flow rates, mean pressures and forces, and of the velocity in the mean
+    square.  A goal is "wall shear" for the largest one, or points (dim, M) for the velocity there.
+    """
+    checks = CheckPoints.of(equations.space)
+    u, f = velocity.coefficients, traction.coefficients
+    thin = np.where(equations.thin, 0.0, u)
+    twice = 2 * equations.system.free_term
+
+    def source(checks: CheckPoints) -> Array:
+        far = background.velocity_at(checks.points.position)
+        return twice * (far - checks.values(u - thin))
+
+    missed = residual(equations.system, checks, thin, f, source, _coarser(equations.quadrature))
+    if goal is None:
+        functionals = [
+            *_openings(equations, velocity, traction), *_forces(equations, traction)
+        ]  # fmt: skip
+        norms = [_slip(equations, checks, missed / twice, velocity, background)]
+    elif isinstance(goal, str) and goal == OPENINGS:
+        functionals, norms = _openings(equations, velocity, traction), []
+    else:
+        functionals, norms = _goal(equations, velocity, traction, background, goal), []
+    return analysed(functionals, norms, equations.system, checks, missed, (u, f))
+
+
+def _coarser(rules: Rules) -> Rules:
+    if isinstance(rules, Quadrature):
+        return Quadrature(max(rules.tolerance, CHECKED))
+    return rules
+
+
+def _openings(
+    equations: StokesEquations, velocity: Field, traction: Field
+) -> list[Functional]:
+    """Flow rates and mean pressures that are not given."""
+    space, found = equations.space, []
+    rates, pressures = {}, {}
+    for name, condition in equations.conditions.items():
+        if isinstance(condition, Inflow | Pressure | Traction):
+            patches = patches_named(space.boundary, name)
+            weights = normal_integrals(space, patches)
+            area = sum(float(space.boundary.patches[i].quadrature(8)[1].sum()) for i in patches)
+            rates[name] = float((weights * velocity.coefficients).sum()), weights
+            pressure = -float((weights * traction.coefficients).sum()) / area
+            pressures[name] = pressure, -weights / area
+    if not rates:
+        return []
+    flow = sum(abs(value) for value, _ in rates.values()) / 2
+    values = [value for value, _ in pressures.values()]
+    drop = max(max(values) - min(values), max(map(abs, values)))
+    for name, condition in equations.conditions.items():
+        if isinstance(condition, Pressure | Traction):
+            value, weights = rates[name]
+            found.append(Functional("flow rate", name, value, flow, weights, 0 * weights))
+        elif isinstance(condition, Inflow):
+            value, weights = pressures[name]
+            found.append(Functional("mean pressure", name, value, drop, 0 * weights, weights))
+    return found
+
+
+def _forces(equations: StokesEquations, traction: Field) -> list[Functional]:
+    """Components of the forces on bodies, all compared with the largest of them."""
+    space, bodies = equations.space, [s.patches for s in equations.given_bodies]
+    inside = {i for body in bodies for i in body}
+    names = [
+        name for name in space.boundary.names
+        if set(patches_named(space.boundary, name)) <= inside
+    ]  # fmt: skip
+    found = []
+    for name in names:
+        integrals = np.zeros((1, space.count))
+        for i in patches_named(space.boundary, name):
+            parameters, _, weights = traction.nodes(i)
+            basis = rational_basis(space.boundary.patches[i].surface, parameters)
+            integrals[0, space.functions(i)] = weights @ basis
+        for axis, row in enumerate(np.eye(len(traction.coefficients))):
+            weights = row[:, None] * integrals
+            value = float((weights * traction.coefficients).sum())
+            found.append((name, "xyz"[axis], value, weights))
+    largest = max((abs(value) for *_, value, _ in found), default=0.0)
+    return [
+        Functional(f"{axis} force", name, value, largest, 0 * weights, weights)
+        for name, axis, value, weights in found
+    ]
+
+
+def _slip(
+    equations: StokesEquations,
+    checks: CheckPoints,
+    slip: Array,
+    velocity: Field,
+    background: Background,
+) -> Norm:
+    """The velocity's error in the mean square over the fluid, from the slip on its boundary.
+
+    What a slip does fades into the fluid like exp(-2πy/λ), λ being the length over which it
+    changes: the width h of an element for its mean there, h over its degree for the rest.
+    """
+    boundary = equations.boundary
+    areas = checks.by_patch(np.ones(len(checks.weights)))
+    means = np.array([checks.by_patch(row) for row in slip]) / areas
+    steady = (means**2).sum(axis=0) * areas
+    squares = checks.by_patch((slip**2).sum(axis=0)) - steady
+    widths = np.array([min(lengths(p.surface)) for p in boundary.patches])
+    degrees = np.array([max(p.surface.degrees) for p in boundary.patches])
+    squares = widths / 2 * (steady + squares / (degrees + 1))
+    given = checks.values(velocity.coefficients)
+    given = given - background.velocity_at(checks.points.position)
+    speed = np.linalg.norm(given, axis=0)
+    moving = speed > 1e-6 * max(float(speed.max()), 1e-300)
+    scale = np.sqrt((speed**2)[moving] @ checks.weights[moving] / checks.weights[moving].sum())
+    squares = SLIP_SAFETY**2 * squares
+    return Norm("velocity in the mean square", float(scale), squares / _volume(equations, areas))
+
+
+def _volume(equations: StokesEquations, areas: Array) -> float:
+    """Volume of the fluid; as much as that of the bodies in it where it is unbounded."""
+    fluid = sum(s.volume for s in equations.surfaces)
+    if fluid > 0:
+        return fluid
+    dimension = equations.boundary.dimension
+    return abs(fluid) or float(areas.sum()) ** (dimension / (dimension - 1))
+
+
+def _goal(
+    equations: StokesEquations,
+    velocity: Field,
+    traction: Field,
+    background: Background,
+    goal: Goal,
+) -> list[Functional]:
+    if isinstance(goal, str):
+        if goal != WALL_SHEAR:
+            raise ConditionError(
+                f"goal={goal!r} is not known; give 'openings', 'wall shear', or points "
+                f"({equations.boundary.dimension}, M)"
+            )
+        return [_largest_shear(equations, traction)]
+    return _velocities(equations, velocity, traction, background, np.asarray(goal, dtype=float))
+
+
+def _largest_shear(equations: StokesEquations, traction: Field) -> Functional:
+    """The tangential traction where it is largest among Gauss points of walls at rest."""
+    space, best = equations.space, (0.0, -1, np.empty(0), np.empty(0))
+    for i, kind in enumerate(equations.kinds):
+        if isinstance(kind, NoSlip):
+            parameters, points, _ = traction.nodes(i)
+            values = traction.on_patch(i, *parameters)
+            along = values - (values * points.normal).sum(axis=0) * points.normal
+            size = np.linalg.norm(along, axis=0)
+            k = int(size.argmax())
+            if size[k] > best[0]:
+                place = np.array([p[k] for p in parameters])
+                best = float(size[k]), i, place, along[:, k] / size[k]
+    size, patch, place, direction = best
+    if patch < 0:
+        raise ConditionError("there is no wall at rest whose shear could be judged")
+    weights = np.zeros_like(traction.coefficients)
+    basis = rational_basis(space.boundary.patches[patch].surface, place[:, None]).toarray()[0]
+    weights[:, space.functions(patch)] = direction[:, None] * basis
+    return Functional("largest wall shear", "", size, size, 0 * weights, weights)
+
+
+def _velocities(
+    equations: StokesEquations,
+    velocity: Field,
+    traction: Field,
+    background: Background,
+    points: Array,
+) -> list[Functional]:
+    """Components of the velocity at points (dim, M) in the fluid."""
+    kernel, _ = stokes_kernels(len(points))
+    inside = 2 * kernel.free_term
+    targets = Targets.free(np.ascontiguousarray(points))
+    layers = assemble_layers(kernel, equations.space, targets, equations.quadrature)
+    one, patches = np.eye(len(points)), range(len(equations.boundary.patches))
+    push = -one / (inside * equations.viscosity)
+    single = np.concatenate([layers.columns(i, push, 0 * one) for i in patches], axis=3)
+    double = np.concatenate([layers.columns(i, 0 * one, one / inside) for i in patches], axis=3)
+    double[..., equations.thin] = 0.0
+    far, found = background.velocity_at(points), []
+    for m in range(points.shape[1]):
+        for axis in range(len(points)):
+            a, b = double[axis, m], single[axis, m]
+            value = far[axis, m] + (a * velocity.coefficients + b * traction.coefficients).sum()
+            found.append((f"{'xyz'[axis]} velocity", f"point {m}", float(value), a, b))
+    scale = max(abs(value) for _, _, value, *_ in found)
+    return [Functional(kind, place, value, scale, a, b) for kind, place, value, a, b in found]
