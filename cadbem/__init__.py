@@ -22,12 +22,17 @@ if TYPE_CHECKING:
     from cadbem.design.fate import droplet_fate as droplet_fate
     from cadbem.design.fate import droplet_fates as droplet_fates
     from cadbem.design.fate import fate_of as fate_of
+    from cadbem.design.fate import fates_report as fates_report
     from cadbem.design.network import Network as Network
     from cadbem.design.network import OperatingPoint as OperatingPoint
     from cadbem.design.network import hydraulic_network as hydraulic_network
     from cadbem.design.network import network_of as network_of
+    from cadbem.design.network import tube_resistance as tube_resistance
     from cadbem.design.release_points import ReleasePoints as ReleasePoints
     from cadbem.design.release_points import inlet_points as inlet_points
+    from cadbem.design.residence import residence_report as residence_report
+    from cadbem.design.run_report import bodies_report as bodies_report
+    from cadbem.design.run_report import course_report as course_report
     from cadbem.design.tracers import Tracers as Tracers
     from cadbem.design.tracers import trace as trace
     from cadbem.design.wall_shear import WallShear as WallShear
@@ -56,9 +61,11 @@ if TYPE_CHECKING:
     from cadbem.post import draw_movie as draw_movie
     from cadbem.post import draw_outlines as draw_outlines
     from cadbem.post import draw_paths as draw_paths
+    from cadbem.post import draw_run as draw_run
     from cadbem.post import draw_scene as draw_scene
     from cadbem.post import draw_series as draw_series
     from cadbem.post import draw_slices as draw_slices
+    from cadbem.post import draw_solution as draw_solution
     from cadbem.post import draw_streamlines as draw_streamlines
     from cadbem.post import draw_traction as draw_traction
     from cadbem.post import draw_trajectories as draw_trajectories
@@ -89,7 +96,6 @@ if TYPE_CHECKING:
     from cadbem.results import render as render
     from cadbem.results import run_folder as run_folder
     from cadbem.script import run as run
-    from cadbem.script import text_table as text_table
     from cadbem.space import Field as Field
     from cadbem.space import Space as Space
     from cadbem.spline import Nurbs as Nurbs
@@ -132,12 +138,14 @@ if TYPE_CHECKING:
     from cadbem.suspension.surroundings.flows import shear as shear
     from cadbem.suspension.surroundings.flows import uniaxial_extension as uniaxial_extension
     from cadbem.suspension.surroundings.free_flow import FreeFlow as FreeFlow
+    from cadbem.suspension.time.history import Course as Course
     from cadbem.suspension.time.history import History as History
     from cadbem.suspension.time.history import record as record
     from cadbem.suspension.time.simulation import Simulation as Simulation
     from cadbem.suspension.time.state import State as State
     from cadbem.suspension.time.stepping import Adaptive as Adaptive
     from cadbem.suspension.time.stepping import Euler as Euler
+    from cadbem.tables import text_table as text_table
     from cadbem.units import Numbers as Numbers
     from cadbem.units import Quantity as Quantity
     from cadbem.units import Units as Units
@@ -149,50 +157,29 @@ _NAMES = {
     "boundary": ("Boundary", "Patch"),
     "cad": ("inspect_cad", "mesh_volume", "read_cad", "read_outline", "write_patches"),
     "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
-    "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of"),
-    "design.network": ("Network", "OperatingPoint", "hydraulic_network", "network_of"),
+    "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of", "fates_report"),
+    "design.network": (
+        "Network", "OperatingPoint", "hydraulic_network", "network_of", "tube_resistance",
+    ),  # fmt: skip
     "design.release_points": ("ReleasePoints", "inlet_points"),
+    "design.residence": ("residence_report",),
+    "design.run_report": ("bodies_report", "course_report"),
     "design.tracers": ("Tracers", "trace"),
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
-        "AccuracyWarning",
-        "CadError",
-        "CadWarning",
-        "CadbemError",
-        "ConditionError",
-        "DisplayError",
-        "ResultsError",
-        "SelectionError",
-        "ShapeError",
-        "UnitsError",
-    ),
+        "AccuracyWarning", "CadError", "CadWarning", "CadbemError", "ConditionError",
+        "DisplayError", "ResultsError", "SelectionError", "ShapeError", "UnitsError",
+    ),  # fmt: skip
     "extension": ("extended",),
     "operators.compressed.storage": ("Compressed", "Dense"),
     "operators.far.equivalent": ("FarField",),
     "post": (
-        "Frame",
-        "bezier_grid",
-        "draw_around",
-        "draw_boundary",
-        "draw_collocation",
-        "draw_droplets",
-        "draw_flow",
-        "draw_movie",
-        "draw_outlines",
-        "draw_paths",
-        "draw_scene",
-        "draw_series",
-        "draw_slices",
-        "draw_streamlines",
-        "draw_traction",
-        "draw_trajectories",
-        "filmstrip",
-        "volume_grid",
-        "write_droplets",
-        "write_frames",
-        "write_mesh",
-        "write_vtu",
-    ),
+        "Frame", "bezier_grid", "draw_around", "draw_boundary", "draw_collocation",
+        "draw_droplets", "draw_flow", "draw_movie", "draw_outlines", "draw_paths", "draw_run",
+        "draw_scene", "draw_series", "draw_slices", "draw_solution", "draw_streamlines",
+        "draw_traction", "draw_trajectories", "filmstrip", "volume_grid", "write_droplets",
+        "write_frames", "write_mesh", "write_vtu",
+    ),  # fmt: skip
     "problems.conditions": (
         "Background",
         "Inflow",
@@ -209,7 +196,7 @@ _NAMES = {
     "problems.stokes": ("StokesProblem",),
     "quadrature.options": ("Quadrature",),
     "results": ("RunFolder", "StoredRun", "open_run", "render", "run_folder"),
-    "script": ("run", "text_table"),
+    "script": ("run",),
     "space": ("Field", "Space"),
     "spline": ("Nurbs",),
     "spline.closed": ("ClosedSpline", "closed_spline"),
@@ -242,10 +229,11 @@ _NAMES = {
         "uniaxial_extension",
     ),
     "suspension.surroundings.free_flow": ("FreeFlow",),
-    "suspension.time.history": ("History", "record"),
+    "suspension.time.history": ("Course", "History", "record"),
     "suspension.time.simulation": ("Simulation",),
     "suspension.time.state": ("State",),
     "suspension.time.stepping": ("Adaptive", "Euler"),
+    "tables": ("text_table",),
     "units": ("Numbers", "Quantity", "Units", "numbers"),
 }
 _MODULES = {name: f"cadbem.{module}" for module, names in _NAMES.items() for name in names}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.errors import SelectionError
+from cadbem.overviews import boundary_overview
 from cadbem.points import SurfacePoints, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.refinement import Predicate, Size, count_rule, edge_rule, size_rule, spans_rule
@@ -51,6 +52,12 @@ class Boundary:
     patches: tuple[Patch, ...]
     source: str = ""
     unit: str = ""
+
+    def __repr__(self) -> str:
+        return boundary_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return boundary_overview(self).html()
 
     @property
     def names(self) -> tuple[str, ...]:

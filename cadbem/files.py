@@ -10,13 +10,21 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from io import StringIO
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol
 
 from filelock import FileLock, Timeout
 
 from cadbem.errors import ResultsError
 
 LOCK = ".lock"
+
+
+class Folder(Protocol):
+    """Where files go: a path, or the folder of a run."""
+
+    def __truediv__(self, name: str, /) -> Path: ...
+
+    def __fspath__(self) -> str: ...
 
 
 def write_whole(path: Path, content: bytes) -> None:

@@ -16,6 +16,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.linalg import splu
 
 from cadbem.boundary import Boundary
+from cadbem.overviews import field_text, space_text
 from cadbem.points import SurfacePoints, area_vector, dual_tangents, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, gauss_unit, tensor_rule
 from cadbem.spline.basis import Array, basis_functions, greville
@@ -36,6 +37,8 @@ class Space:
     offsets: tuple[int, ...]
     parameters: tuple[Array, ...]
     collocation: SurfacePoints
+
+    __repr__ = space_text
 
     @property
     def count(self) -> int:
@@ -106,6 +109,8 @@ class Field:
 
     space: Space
     coefficients: Array
+
+    __repr__ = field_text
 
     def patch_coefficients(self, patch: int) -> Array:
         """Control values (dim, n_1[, n_2]) of one patch."""

@@ -115,6 +115,11 @@ class Units:
             raise UnitsError(f"'{text}' is a plain number; give it without units, or another unit")
         return Quantity.of(float(found[1]) * factor / self._size(dimension), dimension, text, self)
 
+    def several(self, text: str) -> list[Quantity]:
+        """Quantities of one unit, as in "100 200 um"."""
+        *values, unit = text.split()
+        return [self(f"{value} {unit}") for value in values]
+
     def si(self, value: float, kind: str) -> float:
         """A ``value`` of a ``kind`` ("pressure", "flow_rate", ...) in SI units: m, kg, s."""
         return float(value) * self._size(_kind(kind)[0])

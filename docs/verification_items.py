@@ -77,7 +77,7 @@ ITEMS = (
     Item("Figure 3.4", "D between plates", ("droplet_between_plates_2d_deformation",),
          ((PLANE_PLATES, "Ca ="),),
          f"{LOST} That W = 16 is like no plates at all, it says, and so it nearly is."),
-    Item("Figure 3.5", "two droplets between plates", ("two_droplets_2d_pass_strip",),
+    Item("Figure 3.5", "two droplets between plates", ("two_droplets_2d_pass_filmstrip",),
          ((TWO, "Ca ="),), f"{LOST} As there, the droplets pass each other and do not touch."),
     Item("Figure 4.1", "D and volume, Ca = 0.2, λ = 1", ("droplet_shear_volume",),
          ((SHEAR, "Ca = 0.2"),),

@@ -8,6 +8,10 @@ import pytest
 from pictures_in import pictures_in
 
 import cadbem as cb
+from cadbem.verification.figures.ellipse import semi_axes
+from cadbem.verification.figures.shear_2d import series_error
+from cadbem.verification.theory import cox, extension
+from cadbem.verification.true_series import SHEAR
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "workflows"))
 
@@ -29,14 +33,14 @@ def test_ellipse_relaxation(tmp_path):
     """An area of 4.7126 becomes a circle of radius sqrt(4.7126 / π), to 1e-6."""
     history = cb.run(ellipse_relaxation.main, ["-o", str(tmp_path)])
     exact = np.sqrt(4.7126 / np.pi)
-    assert ellipse_relaxation.semi_axes(history)[:, -1] == pytest.approx([exact, exact], abs=1e-6)
+    assert semi_axes(history)[:, -1] == pytest.approx([exact, exact], abs=1e-6)
     assert pictures_in(tmp_path) == {"ellipse_relaxation.png"}
 
 
 def test_droplet_shear_2d(tmp_path):
     """D(τ) for λ = 1 and a true Ca of 0.1 within 1e-4 of a spectral computation."""
     runs = cb.run(droplet_shear_2d.main, ["-o", str(tmp_path), "--end", "0.4"])
-    assert droplet_shear_2d.series_error(runs["thesis's", 1.0, "ours"]) < 1e-4
+    assert series_error(runs["thesis's", 1.0, "ours"]) < 1e-4
     assert pictures_in(tmp_path) == {"droplet_shear_2d.png"}
 
 
@@ -56,7 +60,7 @@ def test_droplet_shear(tmp_path):
     options = ["--end", "0.5", "--points", "72", "--tolerance", "1e-4", "--capillary", "0.2"]
     runs = cb.run(droplet_shear.main, ["-o", str(tmp_path), *options, "--parts", "shape"])
     found = runs["shape", "ours"].deformation[-1]
-    assert found == pytest.approx(droplet_shear.SERIES["D"][0], abs=2e-4)
+    assert found == pytest.approx(SHEAR.deformation[0], abs=2e-4)
     shapes = {f"shape_{name}.png" for name in ("ours", "thesis", "thesis_relaxed")}
     assert pictures_in(tmp_path) == shapes | {"deformation.png"}
 
@@ -72,7 +76,7 @@ def test_volume_in_shear(tmp_path, capsys):
     changes = {key: abs(volume[-1] / volume[0] - 1) for key, volume in kept.items()}
     assert changes[1.0, "ours", True] < 1e-13
     assert changes[0.1, "thesis's way", False] > 5 * changes[0.1, "ours", False]
-    assert droplet_shear.cox(1e-6, 0.1) == pytest.approx(17.9e-6 / 17.6, rel=1e-9)
+    assert cox(1e-6, 0.1) == pytest.approx(17.9e-6 / 17.6, rel=1e-9)
     assert pictures_in(tmp_path) == {"volume.png"}
     assert "Table 4.1" in capsys.readouterr().out
 
@@ -91,7 +95,7 @@ def test_droplet_extension(tmp_path):
     """Steady D to second order in Ca; the third order is about 24 Ca³ at λ = 10."""
     options = ["--points", "50", "--highest", "0.01", "--tolerance", "1e-3"]
     branches = cb.run(droplet_extension.main, ["-o", str(tmp_path), *options])
-    expected = droplet_extension.extension(0.01, 10.0, 2)
+    expected = extension(0.01, 10.0, 2)
     assert expected == pytest.approx(1.75568181818 * 0.01 + 3.85597924157 * 1e-4, rel=1e-10)
     found = branches["ours, polar rule"][0][0]
     assert found == pytest.approx(expected, abs=5e-5)

@@ -9,8 +9,8 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
-    {"errors", "progress", "command"},
-    {"compiled", "files", "units"},
+    {"errors", "progress", "command", "tables"},
+    {"compiled", "files", "units", "overviews"},
     {"spline", "quadrature", "kernels"},
     {"points", "refinement"},
     {"boundary", "closed_points"},
@@ -31,6 +31,7 @@ WINGS = {
     "cad": ("text", "kernel", "faces", "layout", "labels", "body", "export", ""),
     "operators": ("", "far", "closed", "compressed"),
     "suspension": ("surroundings", "rigid", "interface", "bodies", "multibody", "time"),
+    "verification": ("", "figures"),
     "post": ("files", "style", "fields", "scene", "plane", "bodies", "channel", ""),
 }
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}

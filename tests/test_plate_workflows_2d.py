@@ -9,6 +9,10 @@ import pytest
 from pictures_in import pictures_in
 
 import cadbem as cb
+from cadbem.verification.figures.pair_2d import area_change, gaps
+from cadbem.verification.figures.plates_2d import flux_across
+from cadbem.verification.plates import between_plane_plates
+from cadbem.verification.theory import far_plates
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "workflows"))
@@ -29,11 +33,11 @@ def assert_sound(run: cb.History) -> None:
     much to either side, droplets cannot change that between closed ends, and through a section
     that cuts a droplet the flow inside counts, too."""
     assert not run.last.stopped
-    assert two.area_change(run) < 1e-10
+    assert area_change(run) < 1e-10
     for state in run.states:
         assert abs(state.walls.net_flux()) < 1e-4
         for x in (0.7, -2.5):
-            assert abs(one.flux_across(state, x)) < 1e-4
+            assert abs(flux_across(state, x)) < 1e-4
 
 
 def test_droplet_between_plates(tmp_path):
@@ -52,7 +56,7 @@ def test_droplet_between_plates(tmp_path):
         assert_sound(run)
         assert np.abs(run.track()[1]).max() < 1e-10
     assert pictures_in(tmp_path) == {
-        "deformation.png", "movie.gif", "shapes.png", "strip.png"
+        "deformation.png", "movie.gif", "shapes.png", "filmstrip.png"
     }  # fmt: skip
 
 
@@ -64,7 +68,7 @@ def test_plates_far_away(capsys):
     runs = cb.run(one.main, ["-o", "", *options, "--parts", "widths"])
     last = {w: runs["width", w].deformation[-1] for w in (8.0, 16.0, np.inf)}
     found = {w: (last[w] / last[np.inf] - 1) * w**2 for w in (8.0, 16.0)}
-    theory = one.far_plates(1.0)
+    theory = far_plates(1.0)
     assert theory == pytest.approx(1.4520976, abs=1e-7)
     assert (4 * found[16.0] - found[8.0]) / 3 == pytest.approx(theory, rel=1e-3)
     assert (found[8.0] - theory) / (found[16.0] - theory) == pytest.approx(4, rel=0.2)
@@ -77,10 +81,10 @@ def test_plates_far_away_from_a_viscous_droplet():
     free = cb.FreeFlow(cb.shear(dimension=2))
     bounded, alone = (
         one.simulate(flow, 0.04, 5.0, 16, 1.0).deformation[-1]
-        for flow in (one.between_plates(8.0, parts=3), free)
+        for flow in (between_plane_plates(8.0, parts=3), free)
     )
-    assert one.far_plates(5.0) == pytest.approx(11 / 9 * one.far_plates(1.0), rel=1e-12)
-    assert (bounded / alone - 1) * 64 == pytest.approx(one.far_plates(5.0), rel=0.02)
+    assert far_plates(5.0) == pytest.approx(11 / 9 * far_plates(1.0), rel=1e-12)
+    assert (bounded / alone - 1) * 64 == pytest.approx(far_plates(5.0), rel=0.02)
 
 
 def test_drift_to_the_middle(tmp_path):
@@ -100,7 +104,7 @@ def test_paths_of_two_droplets_are_symmetric():
     """Half a turn about the middle maps the channel and its flow onto themselves, and droplets at
     c and -c onto each other: so it stays."""
     starts = (-1.25, 0.5), (1.25, -0.5)
-    run = two.simulate(one.between_plates(2.2, parts=6), starts, 0.2, 1.0, 16, 1e-3, 1.0)
+    run = two.simulate(between_plane_plates(2.2, parts=6), starts, 0.2, 1.0, 16, 1e-3, 1.0)
     first, second = run.track(1)[1], run.track(2)[1]
     assert first == pytest.approx(-second, abs=1e-10)
     assert first[0, -1] > first[0, 0] + 0.2
@@ -120,11 +124,11 @@ def test_two_droplets(tmp_path):
     total = free.track(1)[1] + free.track(2)[1]
     assert total[1] == pytest.approx(1.0, abs=1e-10)
     assert total[0] == pytest.approx(-2.5 + free.times, abs=1e-10)
-    assert two.area_change(free) < 1e-10
+    assert area_change(free) < 1e-10
     assert_sound(runs["pass", "plates"])
-    apart, to_plates = two.gaps(free)
+    apart, to_plates = gaps(free)
     assert apart[0] == pytest.approx(np.hypot(2.5, 1.0) - 2, abs=1e-3)
     assert to_plates == pytest.approx(np.inf)
     assert pictures_in(tmp_path / "pass") == {
-        "history.png", "movie.gif", "strip.png", "trajectories.png"
+        "history.png", "movie.gif", "filmstrip.png", "trajectories.png"
     }  # fmt: skip

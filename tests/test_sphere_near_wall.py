@@ -7,7 +7,6 @@ along z of the second, and the drag along y and torque about x of the third.
 """
 
 import json
-import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -18,20 +17,19 @@ from sphere_near_wall_series import along_wall, towards_wall
 from cadbem.problems.conditions import Background, NoSlip
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
-
-sys.path.insert(0, str(Path(__file__).parents[1] / "workflows"))
-
-import moving_sphere  # noqa: E402
+from cadbem.verification.figures.rigid_bodies import WALLS
+from cadbem.verification.spheres import SLIDING
+from cadbem.verification.walls import near_wall
 
 DATA = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 REFERENCE = {h: v for h, v in DATA["sphere_near_wall"].items() if h != "note"}
 
 
 def problem(height, elements, **options):
-    motion = replace(moving_sphere.SLIDING, centre=(0.0, 0.0, height))
+    motion = replace(SLIDING, centre=(0.0, 0.0, height))
     conditions = {"body": motion, "wall": NoSlip()}
     mesh = {k: options.pop(k) for k in ("rings", "across", "side") if k in options}
-    boundary = moving_sphere.near_wall(height, elements, **mesh)
+    boundary = near_wall(height, elements, **mesh)
     return StokesProblem(boundary, 1.0, conditions, Quadrature(1e-6), **options)
 
 
@@ -80,7 +78,7 @@ def test_series_far_and_near():
 
 
 def test_constants_of_the_workflow():
-    for height, exact in moving_sphere.WALL.items():
+    for height, exact in WALLS.items():
         values = along_wall(height)
         expected = (values["Ft"], values["Tr"], towards_wall(height))
         assert exact == pytest.approx(expected, rel=1e-11)

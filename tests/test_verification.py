@@ -9,7 +9,17 @@ import pytest
 from cadbem import verification
 from cadbem.cli import main
 from cadbem.errors import CadbemError
-from cadbem.verification import Check, all_checks, confined, drops, heat, integrals, plane, spheres
+from cadbem.verification import (
+    Check,
+    all_checks,
+    confined,
+    drops,
+    heat,
+    integrals,
+    plane,
+    spheres,
+    true_series,
+)
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 FAST = all_checks()
@@ -56,7 +66,19 @@ def test_references_are_those_computed_elsewhere():
     series = REFERENCE["drop_2d_shear"]["Cat0.1_l1"]
     known = dict(zip(series["tau"], series["D"], strict=True))
     assert {tau: known[tau] for tau in plane.SERIES} == plane.SERIES
+    assert_same(true_series.PLANE_SHEAR, series)
+    assert_same(true_series.PLATES, plates)
+    assert_same(true_series.SHEAR, REFERENCE["drop_3d_shear_Ca0.2_lambda1"])
+    known = REFERENCE["drop_3d_extension_lambda10"]
+    assert (known["Ca"], known["D"]) == true_series.EXTENSION
     assert set(drops.PRINTED) == {(0.35, 1.0), (0.4, 1.0), (0.35, 0.1), (0.4, 0.1)}
+
+
+def assert_same(found: true_series.TrueSeries, known: dict) -> None:
+    """To ten digits."""
+    assert found.times == pytest.approx(known["tau"])
+    assert found.deformation == pytest.approx(known["D"], abs=1e-10)
+    assert found.steady == known.get("D_steady", known["D"][-1])
 
 
 def verify(monkeypatch: pytest.MonkeyPatch, *checks: Check) -> int:

@@ -1,244 +1,58 @@
 """A droplet in shear flow u = (z, 0, 0) (thesis Fig. 4.1 to 4.3, Table 4.1).
 
-Ca = μ × rate × R / γ; D is Taylor's.  The parts, as words of an option: 'shape', one droplet's D(τ)
-and final shape, ours and the thesis's way without and with mesh relaxation; 'volume', what is lost
-at Ca = 0.2 without correction; 'table', D at τ = 5 beside the thesis's.  --reference 392 adds what
-that many points of degree 6 give.  True values for λ = 1 come from a spectral computation.
+Ca = μ × rate × R / γ; D is Taylor's.  The thesis's way is taken without and with mesh relaxation.
+True values for λ = 1 come from a spectral computation.
 """
 
-import json
-from collections.abc import Callable, Iterator
 from functools import partial
-from pathlib import Path
-
-import numpy as np
 
 import cadbem as cb
-from cadbem.post.style.plots import Curve, Plot, draw_plots
 from cadbem.suspension.time.thesis_methods import thesis_methods
-from cadbem.verification.theory import cox
-
-SERIES = json.loads((Path(__file__).parents[1] / "tests/data/reference.json").read_text())[
-    "drop_3d_shear_Ca0.2_lambda1"
-]
-TRUE = {(0.2, 1.0): 0.22312, (0.35, 1.0): 0.41240}  # D(5)
-# Table 4.1: 202 points, the same with mesh relaxation, 802 points
-PRINTED = {
-    (0.35, 1.0): (0.3763, 0.4072, 0.4028),
-    (0.40, 1.0): (0.4267, 0.4688, 0.4583),
-    (0.35, 0.1): (0.3559, 0.3920, 0.3890),
-    (0.40, 0.1): (0.3997, 0.4503, 0.4429),
-}
-
-Runs = dict[tuple, cb.History]
-Keep = Callable[[cb.Simulation, float, float], Iterator[cb.State]]
+from cadbem.verification.figures import shear
+from cadbem.verification.figures.common import KEEP, Keep, Runs, labelled
 
 
 def simulate(
-    keep: Keep, capillary: float, ratio: float, points: int, degree: int, end: float, **options
-) -> cb.History:
-    droplet = cb.Droplet(
-        cb.spline_sphere(points=points, degree=degree), cb.capillary_tension(capillary), ratio
-    )
-    simulation = cb.Simulation(cb.FreeFlow(cb.shear()), droplet, **options)
-    return cb.record(keep(simulation, end, 0.1))
+    capillary: float, ratio: float, points: int, degree: int, end: float,
+    keep: Keep = KEEP, **options,
+) -> cb.History:  # fmt: skip
+    shape = cb.spline_sphere(points=points, degree=degree)
+    droplet = cb.Droplet(shape, cb.capillary_tension(capillary), ratio)
+    return cb.record(keep(cb.Simulation(cb.FreeFlow(cb.shear()), droplet, **options), end, 0.1))
 
 
 def main(
-    output: str = "results/droplet_shear",
-    capillary: float = 0.35,
-    viscosity_ratio: float = 1.0,
-    points: int = 200,
-    degree: int = 4,
-    tolerance: float = 1e-3,
-    end: float = 5.0,
-    parts: str = "shape volume table",
-    reference: int = 0,
-    resume: bool = False,
-) -> Runs:
-    folder = cb.run_folder(output, resume=resume)
-    case = (capillary, viscosity_ratio)
+    output: str = "results/droplet_shear", capillary: float = 0.35, viscosity_ratio: float = 1.0,
+    points: int = 200, degree: int = 4, tolerance: float = 1e-3, end: float = 5.0,
+    parts: str = "shape volume table", reference: int = 0, resume: bool = False,
+) -> Runs:  # fmt: skip
+    """Up to three parts, each with a report and pictures.
+
+    capillary: Ca in 'shape'; viscosity_ratio: λ, inner over outer viscosity, in 'shape'
+    points: on the droplet; degree: of its spline
+    tolerance: error of a time step, as a share of the droplet's size
+    end: time τ, in units of 1 / rate
+    parts: 'shape', one droplet's D(τ) and final shape; 'volume', what is lost without correction
+        at Ca = 0.2; 'table', D(τ) beside Table 4.1
+    reference: points of degree 6 with which 'table' is computed again, 0 for none
+    """
+    folder, made = cb.run_folder(output, resume=resume), {}
     ours = {"degree": degree, "stepper": cb.Adaptive(tolerance), "end": end}
     thesis = {"degree": 2, "end": end, **thesis_methods()}
-    made: Runs = {}
-
-    # Fig. 4.3: one droplet, ours and the thesis's way without and with mesh relaxation
     if "shape" in parts:
-        runs = shape_runs(folder, case, points, ours, thesis)
-        found = runs["ours",].last.measures[0]
-        folder.summary({"D": found.deformation, "inclination (degrees)": found.inclination})
-        report_shape(case, runs)
-        if folder:
-            draw_shapes(folder, case, runs)
-        made |= {("shape", *key): run for key, run in runs.items()}
-
-    # Fig. 4.1 and 4.2: what happens to the volume at Ca = 0.2
+        ways = {"ours": ours, "thesis's way": thesis}
+        ways["thesis's way, relaxed"] = thesis | {"mesh": cb.RelaxMesh()}
+        case, runs = (capillary, viscosity_ratio), {}
+        for name, options in ways.items():
+            keep = partial(folder.run, part=name.replace(" ", "_"))
+            runs[name,] = simulate(*case, points, keep=keep, **options)
+        folder.summary(shear.tell_shape(folder, case, runs))
+        made |= labelled("shape", runs)
     if "volume" in parts:
-        runs = volume_runs(points, ours, thesis)
-        report_volume(folder, runs)
-        made |= {("volume", *key): run for key, run in runs.items()}
-
-    if "table" in parts:  # Table 4.1
-        runs = {case: simulate(cb.Simulation.run, *case, points, **ours) for case in PRINTED}
-        report_table(runs, fine_runs(reference, end) if reference else {})
-        made |= {("table", *key): run for key, run in runs.items()}
-    if folder:
-        print(f"\nthe pictures are in {folder}")
+        made |= labelled("volume", shear.volume_runs(simulate, points, ours, thesis, folder))
+    if "table" in parts:
+        made |= labelled("table", shear.table_runs(simulate, points, ours, reference))
     return made
-
-
-def shape_runs(
-    folder: cb.RunFolder, case: tuple[float, float], points: int, ours: dict, thesis: dict
-) -> Runs:
-    relaxed = thesis | {"mesh": cb.RelaxMesh()}
-    runs = {"ours": ours, "thesis's way": thesis, "thesis's way, relaxed": relaxed}
-    kept = {name: partial(folder.run, part=name.replace(" ", "_")) for name in runs}
-    return {(n,): simulate(kept[n], *case, points, **options) for n, options in runs.items()}
-
-
-def report_shape(case: tuple[float, float], runs: Runs) -> None:
-    rows = []
-    for (name,), run in runs.items():
-        state = run.last
-        found = state.measures[0]
-        rows.append(
-            (name, f"{state.time:g}", f"{found.deformation:.5f}", f"{found.inclination:.2f}",
-             f"{found.area / run.area[0] - 1:+.4f}", f"{found.smallest_angle:.0f}",
-             f"{found.size_ratio:.1f}", f"{state.evaluations}", f"{run.seconds:.1f}")
-        )  # fmt: skip
-    head = ("run", "τ", "D", "inclination (deg)", "change of area", "smallest angle (deg)",
-            "size ratio", "evaluations", "CPU s")  # fmt: skip
-    print("Ca = {}, λ = {}".format(*case))
-    print(cb.text_table(head, rows))
-    for (name,), run in runs.items():
-        if run.last.stopped:
-            print(f"{name}: {run.last.stopped}")
-    if case in PRINTED:
-        print("thesis, D(5): 202 points {}, relaxed {}, 802 points {}".format(*PRINTED[case]))
-    if case in TRUE:
-        print(f"true D(5): {TRUE[case]:.5f}")
-
-
-def shape_plot(case: tuple[float, float], runs: Runs, after: float) -> Plot:
-    """D over τ from a time on, and the thesis's final values."""
-    curves = []
-    for k, ((name,), run) in enumerate(runs.items()):
-        shown = run.times > after - 1e-9
-        curves.append(
-            Curve(run.times[shown], run.deformation[shown], "" if after else name, colour=k)
-        )
-    values = zip(("202 points", "relaxed", "802 points"), PRINTED.get(case, ()), strict=False)
-    marks = [(f"thesis, {name}", value, k + 3) for k, (name, value) in enumerate(values)]
-    marks += [("true", TRUE[case], 6)] if case in TRUE else []
-    if after:
-        look = {"line": False, "marks": True}
-        curves += [Curve([5], [v], name, colour=k, **look) for name, v, k in marks]
-    return Plot("τ", "D", curves)
-
-
-def draw_shapes(folder: cb.RunFolder, case: tuple[float, float], runs: Runs) -> None:
-    end = runs["ours",].last.time
-    draw_plots(folder / "deformation.png", [shape_plot(case, runs, t) for t in (0, 0.6 * end)])
-    for (name,), run in runs.items():
-        picture = name.replace("'s way", "").replace(", ", "_")
-        cb.draw_droplets(folder / f"shape_{picture}.png", [run.last.droplet.shape])
-
-
-def volume_runs(points: int, ours: dict, thesis: dict) -> Runs:
-    """Ca = 0.2; 128 points for λ = 0.1 and 2, about as many as the thesis has."""
-    runs = {}
-    for ratio, corrected in ((1.0, True), (1.0, False), (0.1, False), (2.0, False)):
-        count = points if ratio == 1 else min(points, 128)
-        choice = {} if corrected else {"volume": None}
-        for name, options in (("ours", ours), ("thesis's way", thesis)):
-            runs[ratio, name, corrected] = simulate(
-                cb.Simulation.run, 0.2, ratio, count, **options | choice
-            )
-    return runs
-
-
-def report_volume(folder: cb.RunFolder, runs: Runs) -> None:
-    rows = []
-    for (ratio, name, corrected), run in runs.items():
-        change = 100 * (run.volume[-1] / run.volume[0] - 1)
-        rows.append(
-            (f"{ratio:g}", f"{run.last.droplet.shape.basis.count}", name,
-             "yes" if corrected else "no", f"{run.deformation[-1]:.5f}", f"{change:+.4f}")
-        )  # fmt: skip
-    best = runs[1.0, "ours", True]
-    times, true = true_series(best)
-    print("\nCa = 0.2")
-    head = ("λ", "points", "run", "corrected", f"D({best.last.time:g})", "volume (%)")
-    print(cb.text_table(head, rows))
-    print("thesis, not corrected: volume (%) off by 5.4 for λ = 1, 18.5 for λ = 0.1")
-    print(f"λ = 1: Cox's steady D {cox(0.2, 1.0):.5f}, true steady D {SERIES['D_steady']:.5f}")
-    if times.size:
-        error = abs(np.interp(times, best.times, best.deformation) - true).max()
-        print(f"λ = 1, ours: true D({times[-1]:g}) {true[-1]:.5f}, largest error {error:.1e}")
-    if folder:
-        draw_plots(folder / "volume.png", [small_plot(runs), volume_plot(runs)])
-
-
-def true_series(run: cb.History) -> tuple[np.ndarray, np.ndarray]:
-    """Times and D for Ca = 0.2, λ = 1, as long as a run lasts."""
-    times, deformation = (np.array(SERIES[key]) for key in ("tau", "D"))
-    shown = times < run.last.time + 1e-9
-    return times[shown], deformation[shown]
-
-
-def small_plot(runs: Runs) -> Plot:
-    """D over τ for λ = 1."""
-    curves = []
-    for k, (name, corrected) in enumerate(
-        (("ours", True), ("thesis's way", True), ("thesis's way", False))
-    ):
-        run = runs[1.0, name, corrected]
-        label = name if corrected else f"{name}, not corrected"
-        look = {"dashed": not corrected, "colour": min(k, 1)}
-        curves.append(Curve(run.times, run.deformation, label, **look))
-    true = true_series(run)
-    curves.append(Curve(*true, "true", line=False, marks=True, colour=2))
-    level = [cox(0.2, 1.0)] * 2
-    curves.append(Curve(run.times[[0, -1]], level, "Cox, small deformation", dashed=True))
-    return Plot("τ", "D for λ = 1", curves)
-
-
-def volume_plot(runs: Runs) -> Plot:
-    curves = []
-    for key, colour in (
-        ((0.1, "ours", False), None),
-        ((0.1, "thesis's way", False), 0),
-        ((1.0, "thesis's way", False), 1),
-        ((1.0, "thesis's way", True), 1),
-        ((2.0, "thesis's way", False), 2),
-    ):
-        run, (ratio, name, corrected) = runs[key], key
-        label = f"λ = {ratio:g}, {name}{'' if corrected else ', not corrected'}"
-        volume = run.volume / run.volume[0]
-        curves.append(Curve(run.times, volume, label, dashed=corrected, colour=colour))
-    return Plot("τ", "volume / initial volume", curves)
-
-
-def fine_runs(points: int, end: float) -> Runs:
-    options = {"degree": 6, "stepper": cb.Adaptive(1e-5), "end": end}
-    return {case: simulate(cb.Simulation.run, *case, points, **options) for case in PRINTED}
-
-
-def report_table(runs: Runs, fine: Runs) -> None:
-    rows = []
-    for case, run in runs.items():
-        best = f"{fine[case].deformation[-1]:.5f}" if fine else "-"
-        true = f"{TRUE[case]:.5f}" if case in TRUE else "-"
-        rows.append(
-            (*map(str, case), *[f"{value:.4f}" for value in PRINTED[case]],
-             f"{run.deformation[-1]:.5f}", best, true, f"{cox(*case):.4f}",
-             f"{run.last.evaluations}", f"{run.seconds:.1f}")
-        )  # fmt: skip
-    head = ("Ca", "λ", "thesis 202", "relaxed", "thesis 802", "ours", "ours, fine", "true",
-            "Cox, steady", "evaluations", "CPU s")  # fmt: skip
-    count = run.last.droplet.shape.basis.count
-    print(f"\nTable 4.1: D({run.last.time:g}), ours from {count} points")
-    print(cb.text_table(head, rows))
 
 
 if __name__ == "__main__":

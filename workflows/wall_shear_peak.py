@@ -4,7 +4,6 @@ The side walls of geometries/constriction.py come as near as 0.8 mm and part aga
 channel 1 mm high.  Prints the peak, its place, the mean over the walls and percentiles by area, on
 finer and finer grids.  Walls that are smooth where the stress is high have a peak that settles; a
 junction's corners would not: the exact stress there is infinite, and a percentile says more.
-Draws the wall stresses of the finest grid.
 """
 
 from pathlib import Path
@@ -15,24 +14,23 @@ GEOMETRY = Path(__file__).parents[1] / "geometries" / "constriction.step"
 
 
 def main(
-    output: str = "results/wall_shear_peak",
-    viscosity: str = "1 mPa s",
-    flow_rate: str = "60 uL/min",
-    element_size: float = 0.3,
-    grids: int = 3,
-) -> list[cb.WallShear]:
+    output: str = "results/wall_shear_peak", viscosity: str = "1 mPa s",
+    flow_rate: str = "60 uL/min", element_size: float = 0.3, grids: int = 3,
+) -> list[cb.WallShear]:  # fmt: skip
+    """Each grid is 1.4 times as fine as the one before.
+
+    viscosity: of the fluid, with any units; flow_rate: of what enters, with any units
+    element_size: of the finest grid (mm)
+    grids: how many there are
+    """
     folder = cb.run_folder(output, GEOMETRY)
     found, rows = [], []
     for k in range(grids):
-        # Elements of the finest size last, each grid 1.4 times as fine as the one before
         size = element_size * 1.4 ** (grids - 1 - k)
         channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=size)
         u = cb.Units.of(channel)
-        conditions = {
-            "inlet": cb.Inflow(flow_rate=u(flow_rate)),
-            "outlet": cb.Pressure(0.0),
-            "walls": cb.NoSlip(),
-        }
+        inlet = cb.Inflow(flow_rate=u(flow_rate))
+        conditions = {"inlet": inlet, "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
         rules = cb.Quadrature(1e-5)
         solution = cb.StokesProblem(channel, u(viscosity), conditions, rules).solve()
         shear = cb.wall_shear(solution)

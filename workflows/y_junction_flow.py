@@ -12,11 +12,14 @@ GEOMETRY = Path(__file__).parents[1] / "geometries" / "y_junction.step"
 
 
 def main(
-    output: str = "results/y_junction_flow",
-    spans: int = 7,
-    degree: int = 2,
+    output: str = "results/y_junction_flow", spans: int = 7, degree: int = 2,
     mesh_size: float = 0.35,
-) -> cb.StokesSolution:
+) -> cb.StokesSolution:  # fmt: skip
+    """Branches are 4 wide and high, the mean velocity is 3 in both inlets, the viscosity 1.
+
+    spans: elements a direction on each face; degree: of their functions
+    mesh_size: of the cells on which pictures of the flow are drawn
+    """
     folder = cb.run_folder(output, GEOMETRY)
 
     # Geometry: 18 four-sided faces with the names that the CAD file gives them
@@ -44,25 +47,9 @@ def main(
     drop = solution.mean_pressure("inlet_a") - solution.mean_pressure("outlet")
     folder.summary({"points": solution.space.count, "pressure drop": drop})
 
-    if folder:
-        draw(folder, solution, mesh_size)
-        print(f"pictures and ParaView files are in {folder}")
+    # Pictures, and files for ParaView
+    cb.draw_solution(folder, solution, GEOMETRY, mesh_size)
     return solution
-
-
-def draw(folder: cb.RunFolder, solution: cb.StokesSolution, mesh_size: float) -> None:
-    """Pictures, and files for ParaView."""
-    channel = solution.space.boundary
-    cb.draw_boundary(channel, folder / "faces.png")
-    cb.draw_collocation(solution.space, folder / "collocation.png")
-    cb.draw_traction(solution, folder / "traction.png")
-    points, tetrahedra = cb.mesh_volume(GEOMETRY, mesh_size)
-    grid = cb.volume_grid(points, tetrahedra, solution)
-    cb.draw_slices(grid, channel, folder / "slices.png")
-    cb.draw_streamlines(grid, channel, folder / "streamlines.png")
-    cb.write_vtu(folder / "volume.vtu", grid)
-    cb.write_vtu(folder / "walls.vtu", cb.bezier_grid(channel, {
-        "velocity": solution.velocity, "traction": solution.traction}))  # fmt: skip
 
 
 if __name__ == "__main__":

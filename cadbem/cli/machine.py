@@ -47,7 +47,7 @@ def _warmup(options: Options) -> None:
 
 
 def _verify(options: Options) -> int:
-    from cadbem.script import text_table
+    from cadbem.tables import text_table
     from cadbem.verification import all_checks, run_checks
     from cadbem.verification.report import HEAD, rows, summary
 

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.time.history import History, record
 from cadbem.suspension.time.simulation import Simulation
+from cadbem.tables import text_table
+from cadbem.units import Units
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,6 +29,11 @@ class Fate:
     path: Array
     deformation: float
     gap: float
+
+    @property
+    def radius(self) -> float:
+        """The droplet's radius, from its volume."""
+        return float((3 * self.droplet.volume / (4 * np.pi)) ** (1 / 3))
 
 
 def droplet_fate(simulation: Simulation, end: float, every: float | None = None) -> Fate:
@@ -57,3 +66,23 @@ def droplet_fates(
 ) -> list[Fate]:
     """The fates of several ``droplets``, each alone in the flow of the ``simulation``."""
     return [droplet_fate(replace(simulation, bodies=d), end, every) for d in droplets]
+
+
+def fates_report(fates: Sequence[Fate], units: Units, tracers: Sequence[str]) -> str:
+    """A table of droplets: radius, x at the start, how they left and when, largest D, narrowest
+    gap; ``tracers`` names the openings through which points of fluid of the same starts left."""
+    rows = []
+    for fate, other in zip(fates, tracers, strict=True):
+        gap = units.show(fate.gap, "length") if np.isfinite(fate.gap) else "-"
+        start = f"{fate.path[0, 0]:+.3f} {units.length}"
+        rows.append([
+            units.show(fate.radius, "length"), start, fate.opening or "none",
+            units.show(fate.time, "time"), f"{fate.deformation:.3f}", gap, other or "-",
+        ])  # fmt: skip
+    head = ("droplet", "off the axis", "left through", "after", "largest D", "gap", "a tracer")
+    ended = [
+        f"{units.show(f.radius, 'length')} from {f.path[0, 0]:+.3f} {units.length}: {f.ended}"
+        for f in fates
+        if not f.opening
+    ]
+    return "\n".join([text_table(head, rows), *ended])

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.design.overview import network_overview
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.operators.compressed.storage import Storage
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
@@ -21,7 +22,8 @@ from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
-from cadbem.units import check
+from cadbem.tables import text_table
+from cadbem.units import Units, check
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,15 @@ class OperatingPoint:
         shares = leaving / leaving.sum()
         return {n: float(s) for n, s in zip(self.names, shares, strict=True) if s > 0}
 
+    def table(self, units: Units) -> str:
+        """Flow rates and pressures at each opening, in handy units."""
+        columns = zip(self.names, self.flow_rates, self.pressures, self.outside, strict=True)
+        rows = [
+            (name, units.show(rate, "flow_rate"), *(units.show(p, "pressure") for p in pressures))
+            for name, rate, *pressures in columns
+        ]
+        return text_table(("opening", "flow rate", "at the chip", "beyond the tube"), rows)
+
 
 @dataclass(frozen=True, eq=False)
 class Network:
@@ -52,6 +63,12 @@ class Network:
     names: tuple[str, ...]
     conductance: Array
     problem: StokesProblem
+
+    def __repr__(self) -> str:
+        return network_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return network_overview(self).html()
 
     @property
     def asymmetry(self) -> float:
@@ -65,6 +82,18 @@ class Network:
         """
         kept = np.arange(len(self.names)) != self._index(reference)
         return np.asarray(np.linalg.inv(self.conductance[np.ix_(kept, kept)]), dtype=float)
+
+    def tables(self, reference: str, units: Units) -> str:
+        """G, and the resistance to a ``reference`` opening, in µL/min and Pa."""
+        rate = units.si(1.0, "flow_rate") * 6e10
+        others = [name for name in self.names if name != reference]
+        parts = (
+            "conductance G (uL/min/Pa): Q into the chip = G p",
+            _table(self.conductance * rate / units.si(1.0, "pressure"), self.names),
+            f"resistance to the {reference} (Pa min/uL)",
+            _table(self.resistance(reference) * units.si(1.0, "resistance") / 6e10, others),
+        )
+        return "\n".join(parts)
 
     def operate(
         self,
@@ -140,6 +169,17 @@ def hydraulic_network(
     conditions |= {n: NoSlip() for n in channel.names if n not in conditions}
     rules = quadrature or Quadrature()
     return network_of(StokesProblem(channel, viscosity, conditions, rules, storage=storage))
+
+
+def tube_resistance(viscosity: float, length: float, bore: float) -> float:
+    """128 μ L / (π d⁴) of a round tube (Hagen and Poiseuille), pressure drop over flow rate."""
+    return 128 * viscosity * length / (np.pi * bore**4)
+
+
+def _table(matrix: Array, names: Sequence[str]) -> str:
+    """A matrix with names at its rows and columns."""
+    rows = [(n, *(f"{x:.4g}" for x in row)) for n, row in zip(names, matrix, strict=True)]
+    return text_table(("", *names), rows)
 
 
 def network_of(problem: StokesProblem) -> Network:

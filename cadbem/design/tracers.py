@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cadbem.design.overview import tracers_overview
 from cadbem.design.release_points import OPEN, ReleasePoints
 from cadbem.errors import ConditionError
 from cadbem.problems.enclosure import Enclosure
@@ -48,6 +49,12 @@ class Tracers:
     openings: tuple[str, ...]
     ended: tuple[str, ...]
     flow_rates: Array
+
+    def __repr__(self) -> str:
+        return tracers_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return tracers_overview(self).html()
 
     @property
     def times(self) -> Array:

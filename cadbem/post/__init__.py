@@ -15,6 +15,8 @@ from cadbem.post.fields.cells import edge_lines, tessellated, wall_stresses
 from cadbem.post.fields.frames import Frame
 from cadbem.post.fields.volume import volume_grid
 from cadbem.post.files.export import write_mesh, write_vtu
+from cadbem.post.run_pictures import draw_run
+from cadbem.post.solution_pictures import draw_solution
 from cadbem.post.style.display import require_display
 
 __all__ = [
@@ -28,9 +30,11 @@ __all__ = [
     "draw_movie",
     "draw_outlines",
     "draw_paths",
+    "draw_run",
     "draw_scene",
     "draw_series",
     "draw_slices",
+    "draw_solution",
     "draw_streamlines",
     "draw_traction",
     "draw_trajectories",

@@ -21,6 +21,7 @@ from cadbem.problems.heat_conditions import (
 from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_solution import HeatSolution
 from cadbem.problems.mixed import MixedSystem
+from cadbem.problems.summary import problem_overview
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
@@ -40,6 +41,12 @@ class HeatProblem(HeatEquations):
     that is left open, and, when solved, for a source that varies too fast, or radiation that finds
     no balance above absolute zero.
     """
+
+    def __repr__(self) -> str:
+        return problem_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return problem_overview(self).html()
 
     def solve(
         self, accuracy: float | None = None, *, most_points: int = MOST_POINTS

@@ -16,6 +16,7 @@ from cadbem.problems.heat_accuracy import analyse_heat
 from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_source import gradient_kernel, total_source
 from cadbem.problems.mixed import MixedSystem, patches_named, represent
+from cadbem.problems.summary import heat_summary
 from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -31,6 +32,12 @@ class HeatSolution:
     system: MixedSystem
     temperature: Field
     flux: Field
+
+    def __repr__(self) -> str:
+        return heat_summary(self).text()
+
+    def _repr_html_(self) -> str:
+        return heat_summary(self).html()
 
     @property
     def space(self) -> Space:

@@ -18,6 +18,7 @@ from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Accuracy
 from cadbem.problems.mixed import patches_named, represent
 from cadbem.problems.stokes_accuracy import analyse
+from cadbem.problems.summary import flow_summary
 from cadbem.quadrature import Rules
 from cadbem.space import Field, Space
 from cadbem.spline.basis import Array
@@ -33,6 +34,12 @@ class StokesSolution:
     traction: Field
     background: Background
     iterations: int = 0
+
+    def __repr__(self) -> str:
+        return flow_summary(self).text()
+
+    def _repr_html_(self) -> str:
+        return flow_summary(self).html()
 
     def __add__(self, other: StokesSolution) -> StokesSolution:
         """This flow and another one's boundary fields, on this one's background."""

@@ -17,6 +17,7 @@ from cadbem.problems.estimates import Analysis, warn_if_doubtful
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes_accuracy import Goal, analyse
 from cadbem.problems.straightness import warn_if_not_straight
+from cadbem.problems.summary import problem_overview
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
@@ -39,6 +40,12 @@ class StokesProblem(StokesEquations):
     viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
     made for another unit of length than the boundary's.
     """
+
+    def __repr__(self) -> str:
+        return problem_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return problem_overview(self).html()
 
     def solve(
         self,

@@ -14,6 +14,7 @@ from cadbem.errors import ResultsError
 from cadbem.files import as_results_error, fresh_folder, read_json, write_json, write_whole
 from cadbem.progress import STAGES, notice
 from cadbem.results.manifest import manifest_of
+from cadbem.results.overview import folder_text
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
@@ -27,6 +28,8 @@ class RunFolder:
 
     path: Path | None
     used: set[str] = field(default_factory=set, repr=False, compare=False)
+
+    __repr__ = folder_text
 
     def __bool__(self) -> bool:
         return self.path is not None

@@ -7,16 +7,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cadbem.post.bodies.movie import draw_movie, filmstrip
-from cadbem.post.bodies.time_series import draw_series
-from cadbem.post.bodies.trajectories import draw_trajectories
-from cadbem.post.fields.frames import extent_of
+from cadbem.post.run_pictures import RunPictures, Series
 from cadbem.results.store import CHECKPOINT
 from cadbem.results.stored import StoredRun, open_run
 from cadbem.spline.basis import Array
 
 PICTURES = "pictures"
-STILL = 1e-3  # way, as a share of what there is to see, below which bodies stay where they are
+NAMES = ("movie.mp4", "movie.gif", "filmstrip.png", "series.png", "paths.png")
 ROUND = 5e-3  # D below which a droplet has no inclination
 SERIES = {"D": "deformation", "inclination (degrees)": "inclination", "narrowest gap": "gap"}
 
@@ -34,20 +31,8 @@ def render(folder: str | Path, colour: str = "") -> list[Path]:
 
 
 def _drawn(run: StoredRun, colour: str) -> list[Path]:
-    place, channel, frames = run.folder / PICTURES, run.channel, run.frames
-    name = f"_{colour.replace(' ', '_')}" if colour else ""
-    tracks = _tracks(run)
-    size = float(np.ptp(extent_of(None, frames[:1]), axis=1).max())
-    moves = max(float(np.ptp(track, axis=1).max()) for track in tracks.values()) > STILL * size
-    made = [
-        draw_movie(place / f"movie{name}.mp4", channel, frames, colour=colour),
-        draw_movie(place / f"movie{name}.gif", channel, frames, colour=colour),
-        filmstrip(place / f"filmstrip{name}.png", channel, frames, colour=colour),
-        draw_series(place / "series.png", run.times, _series(run, moves)),
-    ]
-    if moves:
-        made.append(draw_trajectories(place / "paths.png", channel, tracks))
-    return made
+    drawn = RunPictures(run.folder / PICTURES, run.channel, run.frames, _tracks(run), None, colour)
+    return drawn.draw(NAMES, run.times, _series(run, drawn.moving))
 
 
 def _tracks(run: StoredRun) -> dict[str | int, Array]:
@@ -60,7 +45,7 @@ def _tracks(run: StoredRun) -> dict[str | int, Array]:
     }
 
 
-def _series(run: StoredRun, moves: bool) -> dict[str, dict[int, Array]]:
+def _series(run: StoredRun, moves: bool) -> Series:
     """Speed, and the measures in ``SERIES`` that any body has, by number."""
     table = run.body_table
     velocity = [table[f"velocity_{axis}"] for axis in "xyz" if f"velocity_{axis}" in table]

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from cadbem.post.fields.frames import Frame
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet
@@ -45,16 +43,18 @@ def run_row(state: State, seconds: float) -> Row:
 
 def body_rows(state: State) -> list[Row]:
     """A row for each body."""
-    measures, gaps = iter(state.measures), {gap.body: gap for gap in state.gaps}
+    measures = iter(state.measures)
+    parts = zip(state.numbers, state.bodies, state.responses, state.velocities, strict=True)
     rows = []
-    for number, body, response in zip(state.numbers, state.bodies, state.responses, strict=True):
+    for number, body, response, velocity in parts:
         droplet = isinstance(body, Droplet)
         row: Row = {
             "time": state.time,
             "body": number,
             "kind": "droplet" if droplet else "particle",
             **_vector("", body.centre),
-            "gap": gaps[number].length if number in gaps else np.inf,
+            "gap": state.gap(number),
+            **_vector("velocity_", velocity),
         }
         shape = _droplet(next(measures)) if droplet else _particle(body, response)
         rows.append(row | shape)
@@ -62,17 +62,15 @@ def body_rows(state: State) -> list[Row]:
 
 
 def _droplet(found: Measures) -> Row:
-    row = _vector("velocity_", found.velocity)
-    row |= {name: getattr(found, name) for name in SCALARS}
+    row: Row = {name: getattr(found, name) for name in SCALARS}
     for k, length in enumerate(found.semi_axes, 1):
         row[f"semi_axis_{k}"] = float(length)
     return row
 
 
 def _particle(body: Any, response: Any) -> Row:
-    row = _vector("velocity_", response.velocity)
     spin = response.angular_velocity
-    row |= _vector("angular_velocity_", spin) if len(spin) == 3 else {"angular_velocity": spin[0]}
+    row = _vector("angular_velocity_", spin) if len(spin) == 3 else {"angular_velocity": spin[0]}
     turn = body.pose.turn
     if len(turn) == 1:
         return row | {"turn": float(turn[0])}

@@ -21,6 +21,7 @@ from cadbem.results.encode import (
     read_reference_shape,
     reading,
 )
+from cadbem.results.overview import stored_text
 from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
 from cadbem.spline.basis import Array
 
@@ -33,6 +34,8 @@ class StoredRun:
     folder: Path
     times: Array
     sizes: tuple[int, ...]
+
+    __repr__ = stored_text
 
     @cached_property
     def channel(self) -> Boundary | None:

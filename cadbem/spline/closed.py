@@ -27,6 +27,7 @@ from numpy.typing import ArrayLike
 from scipy.linalg import null_space
 
 from cadbem.errors import ShapeError
+from cadbem.overviews import closed_text
 from cadbem.spline.basis import Array, basis_matrix, greville, open_knots
 from cadbem.spline.nurbs import Nurbs
 from cadbem.spline.uniform import periodic_matrix, window
@@ -252,6 +253,8 @@ class ClosedSpline:
 
     basis: ClosedBasis
     coefficients: Array
+
+    __repr__ = closed_text
 
     @property
     def dimension(self) -> int:

@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cadbem.overviews import nurbs_text
 from cadbem.spline.basis import (
     Array,
     basis_functions,
@@ -45,6 +46,8 @@ class Nurbs:
             )
         if not (self.weights > 0).all():
             raise ValueError("weights must be positive")
+
+    __repr__ = nurbs_text
 
     @classmethod
     def from_homogeneous(

@@ -8,8 +8,11 @@ from __future__ import annotations
 
 from functools import cache
 
+import numpy as np
+
 from cadbem.boundary import Boundary, Patch
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure
+from cadbem.problems.profiles import rectangle_profile
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
@@ -18,6 +21,7 @@ from cadbem.verification.check import Check
 
 SERIES = "Fourier series of the developed flow"
 LENGTH = 2.0
+GRADIENT = 28.454153769562279  # -dp/dx of a square channel, in viscosity U / W²
 
 
 def checks() -> tuple[Check, ...]:
@@ -30,7 +34,7 @@ def checks() -> tuple[Check, ...]:
         Check("Figure 2.17", "square channel: net force / forces (Eq. 2.54b)",
               lambda: duct(1.0).net_force(), 0.0, 1e-5, "no inertia, no net force"),
         Check("Figure 2.18", "square channel: pressure gradient",
-              lambda: gradient(1.0), 28.454153769562279, 5e-5, SERIES),
+              lambda: gradient(1.0), GRADIENT, 5e-5, SERIES),
         Check("Eq. 2.55", "channel twice as wide as high: pressure gradient",
               lambda: gradient(2.0), 17.491563164933937, 5e-4, SERIES),
         Check("Figure 2.16", "channel twice as wide as high: largest velocity",
@@ -63,3 +67,12 @@ def gradient(width: float) -> float:
 def outlet_velocity(width: float) -> float:
     """In the middle of the outlet."""
     return float(duct(width).velocity_at([[LENGTH / 2], [0.0], [0.0]])[0, 0])
+
+
+def error_at_outlet(solution: StokesSolution) -> float:
+    """Largest error of the velocity in a square channel on the thesis's line (x, z) = (1, -0.047),
+    |y| < 0.45."""
+    y = np.linspace(-0.45, 0.45, 21)
+    line = np.array([np.full_like(y, LENGTH / 2), y, np.full_like(y, -0.047)])
+    exact = rectangle_profile(y, line[2], 1.0, 1.0)
+    return float(abs(solution.velocity_at(line)[0] - exact).max())

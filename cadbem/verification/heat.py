@@ -24,6 +24,7 @@ OUTSIDE = SurfaceExchange(convection=1.0, radiation=1.0, ambient=1.0)
 RING_SLOPE = -1.2812099885298150074  # of φ = 2 + C ln r
 SHELL_HEAT = 1.8340512420877237118  # of φ = 2 + C (1/r - 1)
 QUARTIC = "exact profile, its constant the root of a quartic"
+IN_HOLE = np.array([[0.3], [0.2], [0.1]])
 RADII = np.linspace(1.05, 1.95, 25)
 
 
@@ -101,3 +102,14 @@ def shell_error() -> float:
     found = shell().temperature_at(RADII * np.array([[0.0], [0.0], [1.0]]))
     exact: Array = 2 + SHELL_HEAT * (1 / RADII - 1)
     return float(abs(found / exact - 1).max())
+
+
+def uneven(points: Array) -> Array:
+    """A temperature (N,) without sources in the hollow sphere, 1 / |x - a|, a in the hole."""
+    distance: Array = np.linalg.norm(points - IN_HOLE, axis=0)
+    return 1 / distance
+
+
+def uneven_flux(points: Array) -> Array:
+    """Its heat into the body at r = 2, -∂φ/∂n with n = -x / 2."""
+    return -(points / 2 * (points - IN_HOLE)).sum(axis=0) * uneven(points) ** 3

@@ -13,7 +13,9 @@ from cadbem.spline.shapes import plate
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 
 
-def between_plates(half_width: float, side: float, spans: int, rings: int) -> ChannelFlow:
+def between_plates(
+    half_width: float, side: float = 12.0, spans: int = 8, rings: int = 2
+) -> ChannelFlow:
     """Shear flow between plates of a ``side`` in half widths, with ``spans`` elements a side of
     their middle, and ``rings`` outwards."""
     middle = max(3.5, 2 * half_width)

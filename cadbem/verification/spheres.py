@@ -68,7 +68,7 @@ def checks() -> tuple[Check, ...]:
 @cache
 def moving(shape: Callable[[], tuple[Nurbs, ...]]) -> StokesSolution:
     """A unit sphere that moves along x and turns about y."""
-    return _solve(shape(), 0, 2, MOTION)
+    return flow_around(shape(), 0, 2, MOTION)
 
 
 def drag(shape: Callable[[], tuple[Nurbs, ...]]) -> float:
@@ -88,13 +88,13 @@ def speed() -> float:
 
 def faxen() -> float:
     """F = 6πμa (1 + a² ∇² / 6) u at the centre, where u = 0 and ∇²u = 2."""
-    held = _solve(sphere_octants(), 2, 4, NoSlip(), PARABOLOID)
+    held = flow_around(sphere_octants(), 2, 4, NoSlip(), PARABOLOID)
     return float(held.force("body")[0])
 
 
 @cache
 def _pulled() -> StokesSolution:
-    return _solve(ellipsoid((2, 1, 1)), 4, 2, RigidMotion((1.0, 1.0, 1.0)))
+    return flow_around(ellipsoid((2, 1, 1)), 4, 2, RigidMotion((1.0, 1.0, 1.0)))
 
 
 def spheroid(axis: int) -> float:
@@ -105,17 +105,18 @@ def spheroid(axis: int) -> float:
 def pair() -> float:
     """Drag of two spheres along the line of their centres."""
     low, high = (sphere(centre=(0, 0, side * 2.0)) for side in (-1, 1))
-    both = _solve(low + high, 4, 2, RigidMotion((0.0, 0.0, 1.0)))
+    both = flow_around(low + high, 4, 2, RigidMotion((0.0, 0.0, 1.0)))
     return -float(both.force("body")[2])
 
 
-def _solve(
+def flow_around(
     shape: tuple[Nurbs, ...], degree: int, spans: int, condition: Condition,
-    background: Background = AT_REST,
+    background: Background = AT_REST, tolerance: float = 1e-10,
 ) -> StokesSolution:  # fmt: skip
+    """Flow around one body, or several that move alike."""
     patches = tuple(Patch(surface, "body") for surface in shape)
     boundary = Boundary(patches).elevated(degree).refined(spans)
-    quadrature = Quadrature(1e-10)
+    quadrature = Quadrature(tolerance)
     return StokesProblem(boundary, 1.0, {"body": condition}, quadrature, background).solve()
 
 

@@ -21,6 +21,11 @@ def extension(capillary: Array | float, ratio: float, order: int) -> Array | flo
     return first + (second * capillary**2 if order == 2 else 0.0)
 
 
+def taylor_capillary(deformation: float, ratio: float) -> float:
+    """Ca of a small steady D, by Taylor."""
+    return deformation * (16 * ratio + 16) / (19 * ratio + 16)
+
+
 def shapira_haber(capillary: float, ratio: float, confinement: float) -> float:
     """D = D_Taylor [1 + C_s (1 + 2.5λ) / (1 + λ) (R / d)³], d = 2 W, midway, for small Ca."""
     taylor = capillary * (19 * ratio + 16) / (16 * ratio + 16)

@@ -17,6 +17,7 @@ from cadbem.quadrature.closed import SelfRule
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.bodies.body import NOTHING, ContactPressure, Densities
+from cadbem.suspension.bodies.overview import droplet_text
 from cadbem.suspension.interface.equation import InterfaceEquation
 from cadbem.suspension.interface.laws import InterfaceLaw, Jump
 from cadbem.suspension.interface.mesh import RelaxMesh, stretches, unresolved
@@ -45,6 +46,8 @@ class Droplet:
             )
         if not np.isfinite(self.shape.coefficients).all():
             raise ShapeError("the droplet's shape has coefficients that are not finite numbers")
+
+    __repr__ = droplet_text
 
     @property
     def dimension(self) -> int:

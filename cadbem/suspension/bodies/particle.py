@@ -17,6 +17,7 @@ from cadbem.quadrature import Quadrature, Rules
 from cadbem.quadrature.closed import SelfRule
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.body import ContactPressure, Densities
+from cadbem.suspension.bodies.overview import particle_text
 from cadbem.suspension.bodies.particle_equation import (
     ParticleEquation,
     ParticleNearField,
@@ -51,6 +52,8 @@ class RigidParticle:
 
     def __post_init__(self) -> None:
         resistance(self.shape, self.quadrature)
+
+    __repr__ = particle_text
 
     @property
     def dimension(self) -> int:

@@ -113,6 +113,12 @@ def inertia_deformation(spline: ClosedSpline) -> float:
     return _contrast(*inertia_axes(spline)[0][[0, -1]])
 
 
+def centre_velocity(spline: ClosedSpline, velocity: Array) -> Array:
+    """Velocity (dim,) of the centre of volume of a droplet whose interface has a ``velocity``,
+    coefficients (dim, *shape): ∫ u dV = ∮ y (u·n) dS, over the volume."""
+    return _centre_velocity(_Body(spline), velocity)
+
+
 def smallest_angle(points: ClosedPoints) -> float:
     """Smallest angle in degrees between parameter lines at points of a surface; 90 in 2D."""
     if len(points.tangents) == 1:

@@ -22,6 +22,7 @@ from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
 from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
+from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.state import State
 from cadbem.suspension.time.stepping import Adaptive, Step, Stepper
 from cadbem.units import check
@@ -52,6 +53,12 @@ class Simulation:
     rule: SelfRule = PolarRule()
     contact: Contact = StopAtGap()
     far: FarField | None = FarField()
+
+    def __repr__(self) -> str:
+        return simulation_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return simulation_overview(self).html()
 
     @cached_property
     def start(self) -> State:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
@@ -19,10 +20,11 @@ from cadbem.suspension.bodies.particle import RigidParticle
 from cadbem.suspension.multibody.contact import Gap, narrowest
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.multibody.fields import velocity_at
-from cadbem.suspension.multibody.measures import Measures, measure
+from cadbem.suspension.multibody.measures import Measures, centre_velocity, measure
 from cadbem.suspension.multibody.multibody import MultibodySystem
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.overview import state_overview
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,6 +49,12 @@ class State:
     stopped: str = ""
     left: dict[int, str] = field(default_factory=dict)
     guess: tuple[Array, ...] = ()
+
+    def __repr__(self) -> str:
+        return state_overview(self).text()
+
+    def _repr_html_(self) -> str:
+        return state_overview(self).html()
 
     @property
     def flow(self) -> Surroundings:
@@ -96,6 +104,18 @@ class State:
     def gaps(self) -> list[Gap]:
         """The narrowest gap of each body, if it is narrow."""
         return narrowest(self.flow, self.placed, self.numbers, everywhere=False)
+
+    @property
+    def velocities(self) -> list[Array]:
+        """Velocity (dim,) of the centre of each body."""
+        return [
+            centre_velocity(b.shape, r.velocity) if isinstance(b, Droplet) else r.velocity
+            for b, r in zip(self.bodies, self.responses, strict=True)
+        ]
+
+    def gap(self, number: int) -> float:
+        """Length of the narrowest gap of the body of a number, inf where it is wide."""
+        return next((gap.length for gap in self.gaps if gap.body == number), np.inf)
 
     def velocity_at(self, points: ArrayLike) -> Array:
         """Velocity (dim, M) at points (dim, M) inside and outside the bodies, in the fluid."""
