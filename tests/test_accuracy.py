@@ -137,18 +137,23 @@ def junctions(tmp_path_factory):
     }
 
 
-def pressures(drawing, accuracy):
-    boundary, scale, turn = drawing
+def named(boundary, scale=1.0, turn=None):
+    """The junction's openings by name."""
+    turn = np.eye(3) if turn is None else turn
     places = {"inlet_a": (-4, 0, 0), "inlet_b": (0, -4.5, 0), "outlet": (4, 0, 0)}
     places = {n: np.array(p, dtype=float) for n, p in places.items()}
 
     def at(place, axis):
         return lambda x, n: abs(turn.T @ (x / scale) - place)[axis] < 1e-6
 
-    named = boundary.named(
+    return boundary.named(
         rest="walls", **{n: at(p, int(np.argmax(abs(p)))) for n, p in places.items()}
     )
-    flow = through(named).solve(accuracy, goal="openings")
+
+
+def pressures(drawing, accuracy):
+    boundary, scale, turn = drawing
+    flow = through(named(boundary, scale, turn)).solve(accuracy, goal="openings")
     found = np.array([flow.mean_pressure(n) for n in ("inlet_a", "inlet_b")]) * scale
     return found / T_PRESSURES - 1, flow.accuracy
 
@@ -187,23 +192,21 @@ def test_reentrant_edges_are_found(junctions):
 
 def test_patches_that_meet_at_hanging_corners_are_one_surface():
     """A box whose lid is cut in two where its sides are not."""
-    patches = [Patch(s) for s in box()]
-    lid = patches.pop()
-    halves = [Patch(lid.surface.restricted(b, (0.0, 1.0))) for b in ((0.0, 0.4), (0.4, 1.0))]
-    third = Patch(patches.pop().surface.restricted((0.0, 0.3), (0.0, 1.0)))
-    rest = Patch(box()[4].surface.restricted((0.3, 1.0), (0.0, 1.0)))
-    surfaces = closed_surfaces(Boundary((*patches, *halves, third, rest)))
+    *sides, lid = box()
+    halves = [lid.restricted(b, (0.0, 1.0)) for b in ((0.0, 0.4), (0.4, 1.0))]
+    surfaces = closed_surfaces(Boundary(tuple(Patch(s) for s in (*sides, *halves))))
     assert len(surfaces) == 1
     assert surfaces[0].volume == pytest.approx(1.0)
 
 
-def test_a_coarse_grid_warns_and_knows_by_how_much():
-    """Long elements of degree 2 in a duct: the estimate covers the true error."""
-    with pytest.warns(cb.AccuracyWarning, match="mean pressure 'inlet' may be off"):
-        flow = through(duct(8.0).elevated(2)).solve()
-    error = abs(flow.mean_pressure("inlet") / (8 * SQUARE) - 1)
-    assert error > 0.02
-    assert error / 3 <= flow.accuracy.of("mean pressure", "inlet").relative <= 20 * error
+def test_a_coarse_grid_warns_and_knows_by_how_much(junctions):
+    """Four elements of degree 2 a face are 17 % off in a T-junction; the estimate covers it."""
+    boundary = named(junctions["few faces"][0]).elevated(2).refined(4)
+    with pytest.warns(cb.AccuracyWarning, match="mean pressure 'inlet_a' may be off"):
+        flow = through(boundary).solve()
+    error = abs(flow.mean_pressure("inlet_a") / T_PRESSURES[0] - 1)
+    assert error > 0.15
+    assert error / 3 <= flow.accuracy.of("mean pressure", "inlet_a").relative <= 20 * error
 
 
 def test_a_limit_of_points_is_said():

@@ -182,11 +182,12 @@ def analysed(
 
 def _estimate(functional: Functional, checks: CheckPoints, spots: Array) -> tuple[Estimate, Array]:
     parts = abs(checks.by_patch(spots))
-    error = SAFETY * float(parts.sum())
+    safety = SAFETY * functional.safety
+    error = safety * float(parts.sum())
     estimate = Estimate(
         functional.kind, functional.place, functional.value, error, functional.scale
     )
     # where z·r changes sign within a patch, the patch's sum says too little of where to refine
     absolute = checks.by_patch(abs(spots))
     balance = parts.sum() / max(float(absolute.sum()), 1e-300)
-    return estimate, 0.5 * SAFETY * (parts + balance * absolute) / max(functional.scale, 1e-300)
+    return estimate, 0.5 * safety * (parts + balance * absolute) / max(functional.scale, 1e-300)

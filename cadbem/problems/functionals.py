@@ -13,7 +13,8 @@ class Functional:
     value u and flux f.
 
     ``kind`` and ``place`` say what it is ("flow rate" of "outlet"), ``value`` is J of the solution,
-    ``scale`` the size that errors are compared with.
+    ``scale`` the size that errors are compared with; estimates of its errors are
+    multiplied by ``safety``.
     """
 
     kind: str
@@ -22,6 +23,7 @@ class Functional:
     scale: float
     value_weights: Array
     flux_weights: Array
+    safety: float = 1.0
 
     @property
     def name(self) -> str:

@@ -27,13 +27,15 @@ from cadbem.spline.basis import Array
 @dataclass(frozen=True, eq=False)
 class StokesSolution:
     """``velocity`` and ``traction`` f = σ·n (n into the fluid) on the boundary as fields, added to
-    a ``background`` flow; the ``iterations`` of the solver, 0 for a direct one."""
+    a ``background`` flow; the ``iterations`` of the solver, 0 for a direct one, and CPU
+    ``seconds``."""
 
     problem: StokesEquations
     velocity: Field
     traction: Field
     background: Background
     iterations: int = 0
+    seconds: float = 0.0
 
     def __repr__(self) -> str:
         return flow_summary(self).text()

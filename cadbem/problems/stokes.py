@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
@@ -72,7 +73,9 @@ class StokesProblem(StokesEquations):
         warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
         if accuracy is not None:
             return self._adapted(accuracy, goal, most_points)
+        begin = time.process_time()
         solution = self._solved()
+        solution = replace(solution, seconds=time.process_time() - begin)
         if isinstance(self.layers, Layers):
             warn_if_doubtful(solution.accuracy)
         return solution
@@ -97,7 +100,9 @@ class StokesProblem(StokesEquations):
             fields = solution.velocity, solution.traction
             return solution, analyse(finer, *fields, self.background, goal)
 
+        begin = time.process_time()
         solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
+        solution = replace(solution, seconds=time.process_time() - begin)
         vars(solution)["accuracy"] = analysis.accuracy
         return solution
 

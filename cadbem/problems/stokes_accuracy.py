@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,6 +12,7 @@ from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import assemble_layers
+from cadbem.points import surface_points
 from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
 from cadbem.problems.equations import StokesEquations
@@ -22,6 +25,7 @@ from cadbem.spline.basis import Array
 
 Goal = str | ArrayLike
 WALL_SHEAR, OPENINGS = "wall shear", "openings"
+POINTWISE = 3.0  # safety factor for tractions at a point: their adjoints are singular
 SLIP_SAFETY = 1.5  # by comparison with finer flows
 LEAST_FLOW = 0.1  # share of speed times area that errors of small flow rates are compared with
 
@@ -55,8 +59,11 @@ def analyse(
         norms = [_slip(equations, checks, missed / twice, velocity, background)]
     elif isinstance(goal, str) and goal == OPENINGS:
         functionals, norms = _openings(equations, velocity, traction), []
+    elif isinstance(goal, str):
+        functionals, norms = [_largest_shear(equations, traction, goal)], []
     else:
-        functionals, norms = _goal(equations, velocity, traction, background, goal), []
+        points = np.asarray(goal, dtype=float)
+        functionals, norms = _velocities(equations, velocity, traction, background, points), []
     return analysed(functionals, norms, equations.system, checks, missed, (u, f))
 
 
@@ -175,43 +182,38 @@ def _volume(equations: StokesEquations, areas: Array) -> float:
     return abs(fluid) or float(areas.sum()) ** (dimension / (dimension - 1))
 
 
-def _goal(
-    equations: StokesEquations,
-    velocity: Field,
-    traction: Field,
-    background: Background,
-    goal: Goal,
-) -> list[Functional]:
-    if isinstance(goal, str):
-        if goal != WALL_SHEAR:
-            raise ConditionError(
-                f"goal={goal!r} is not known; give 'openings', 'wall shear', or points "
-                f"({equations.boundary.dimension}, M)"
-            )
-        return [_largest_shear(equations, traction)]
-    return _velocities(equations, velocity, traction, background, np.asarray(goal, dtype=float))
-
-
-def _largest_shear(equations: StokesEquations, traction: Field) -> Functional:
-    """The tangential traction where it is largest among Gauss points of walls at rest."""
+def _largest_shear(equations: StokesEquations, traction: Field, goal: str) -> Functional:
+    """The tangential traction where it is largest among collocation points of walls at rest: at
+    the ends of elements tractions are less accurate."""
+    if goal != WALL_SHEAR:
+        raise ConditionError(
+            f"goal={goal!r} is not known; give 'openings', 'wall shear', or points "
+            f"({equations.boundary.dimension}, M)"
+        )
     space, best = equations.space, (0.0, -1, np.empty(0), np.empty(0))
     for i, kind in enumerate(equations.kinds):
         if isinstance(kind, NoSlip):
-            parameters, points, _ = traction.nodes(i)
-            values = traction.on_patch(i, *parameters)
-            along = values - (values * points.normal).sum(axis=0) * points.normal
-            size = np.linalg.norm(along, axis=0)
+            parameters = space.parameters[i]
+            shear = _shear(traction, i, parameters)
+            size = np.linalg.norm(shear, axis=0)
             k = int(size.argmax())
             if size[k] > best[0]:
                 place = np.array([p[k] for p in parameters])
-                best = float(size[k]), i, place, along[:, k] / size[k]
-    size, patch, place, direction = best
+                best = float(size[k]), i, place, shear[:, k] / size[k]
+    top, patch, place, direction = best
     if patch < 0:
         raise ConditionError("there is no wall at rest whose shear could be judged")
     weights = np.zeros_like(traction.coefficients)
     basis = rational_basis(space.boundary.patches[patch].surface, place[:, None]).toarray()[0]
     weights[:, space.functions(patch)] = direction[:, None] * basis
-    return Functional("largest wall shear", "", size, size, 0 * weights, weights)
+    return Functional("largest wall shear", "", top, top, 0 * weights, weights, POINTWISE)
+
+
+def _shear(traction: Field, patch: int, parameters: Sequence[Array]) -> Array:
+    """Tangential traction (dim, N) at parameters of a patch."""
+    values = traction.on_patch(patch, *parameters)
+    normal = surface_points(traction.space.boundary.patches[patch].surface, *parameters).normal
+    return values - (values * normal).sum(axis=0) * normal
 
 
 def _velocities(

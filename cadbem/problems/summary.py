@@ -24,8 +24,14 @@ def flow_summary(solution: Any) -> Overview:
     openings = [name for name, kind in kinds.items() if kind in DRIVES]
     areas = named_areas(solution.space.boundary)
     head: Row = ("opening", "condition", "area", "flow rate", "mean pressure")
+    known = vars(solution).get("accuracy")  # it is not worked out for being printed
     rates = rounded(solution.flow_rate(name) for name in openings)
     pressures = rounded(solution.mean_pressure(name) for name in openings)
+    if known is not None:
+        rates, pressures = (
+            [_within(v, known.error(kind, n)) for v, n in zip(values, openings, strict=True)]
+            for kind, values in (("flow rate", rates), ("mean pressure", pressures))
+        )
     rows: list[Row] = [
         (name, condition_text(problem.conditions[name]), f"{areas[name]:.4g}", rate, pressure)
         for name, rate, pressure in zip(openings, rates, pressures, strict=True)
@@ -35,7 +41,14 @@ def flow_summary(solution: Any) -> Overview:
         rows = [(n, condition_text(c), numbers(solution.force(n))) for n, c in
                 problem.conditions.items()]  # fmt: skip
     solved = f"solved in {solution.iterations} iterations" if solution.iterations else "solved"
+    if solution.seconds:
+        solved += f" in {solution.seconds:.1f} CPU s"
     return Overview(f"{_title(problem)}, {solved}", _facts(problem), head, tuple(rows))
+
+
+def _within(value: str, error: float) -> str:
+    """A number with its estimated error, if there is one."""
+    return f"{value} ± {error:.1g}" if error > 0 else value
 
 
 def heat_summary(solution: Any) -> Overview:
