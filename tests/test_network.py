@@ -144,3 +144,17 @@ def test_mistakes(straight):
     moving = {"inlet": cb.Pressure(1.0), "outlet": cb.Pressure(0.0), "walls": cb.Velocity((1, 0))}
     with pytest.raises(cb.ConditionError, match="walls are at rest"):
         cb.network_of(cb.StokesProblem(channel(), 1.0, moving))
+
+
+def test_accuracy_of_a_network():
+    """A square duct from six faces: Q / p = 1 / (28.45415 L) within what was asked, errors said."""
+    length = 3.0
+    patches = tuple(map(cb.Patch, cb.box((0, 0, 0), (length, 1, 1))))
+    ends = {"left": lambda x, n: n[0] > 0.9, "right": lambda x, n: n[0] < -0.9}
+    duct = cb.Boundary(patches).named(rest="walls", **ends)
+    network = cb.hydraulic_network(duct, 1.0, ["left", "right"], accuracy=1e-2)
+    exact = 1 / (28.454153769562279 * length)
+    wrong = abs(network.conductance[0, 0] - exact)
+    assert wrong <= 3 * network.errors[0, 0] <= 3e-2 * exact
+    point = network.operate(pressures={"right": 0.0}, flow_rates={"left": 1.0})
+    assert abs(point.pressures[0] - 1 / exact) <= 3 * point.pressure_errors[0] <= 0.1 / exact

@@ -192,7 +192,7 @@ def test_text_and_other_dimensions_are_refused_at_the_doors(u):
     with pytest.raises(cb.UnitsError, match="flow_rate: '30 uL/min' is text; make a number of it"):
         cb.Inflow(flow_rate="30 uL/min")
     conductance = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    network = cb.Network(("in", "out"), conductance, None)
+    network = cb.Network(("in", "out"), conductance, 0 * conductance, None)
     with pytest.raises(cb.UnitsError, match="flow rate at 'in': '30 mm/s' is a length per time"):
         network.operate({"out": 0.0}, {"in": u("30 mm/s")})
     with pytest.raises(cb.UnitsError, match="pressure at 'out': '2 mm' is a length"):

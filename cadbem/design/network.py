@@ -16,6 +16,7 @@ from cadbem.boundary import Boundary
 from cadbem.design.overview import network_overview
 from cadbem.errors import ConditionError, SelectionError
 from cadbem.operators.compressed.storage import Storage
+from cadbem.operators.layers import Layers
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
@@ -29,12 +30,15 @@ from cadbem.units import Units, check
 @dataclass(frozen=True, eq=False)
 class OperatingPoint:
     """``flow_rates`` (n,) into the fluid and ``pressures`` (n,) of openings by ``names``, and the
-    pressures ``outside`` (n,), beyond their tubing."""
+    pressures ``outside`` (n,), beyond their tubing; ``rate_errors`` and ``pressure_errors`` (n,)
+    are estimated, nan where they are not known."""
 
     names: tuple[str, ...]
     flow_rates: Array
     pressures: Array
     outside: Array
+    rate_errors: Array
+    pressure_errors: Array
 
     @property
     def fractions(self) -> dict[str, float]:
@@ -55,13 +59,15 @@ class OperatingPoint:
 
 @dataclass(frozen=True, eq=False)
 class Network:
-    """``conductance`` G (n, n) between openings: Q = G p, in flow rate over pressure.
+    """``conductance`` G (n, n) between openings: Q = G p, in flow rate over pressure; the estimated
+    ``errors`` (n, n) of its entries, nan where they are not known (compressed matrices).
 
     ``problem`` has a pressure on each of them and keeps its factors.
     """
 
     names: tuple[str, ...]
     conductance: Array
+    errors: Array
     problem: StokesProblem
 
     def __repr__(self) -> str:
@@ -119,7 +125,12 @@ class Network:
         inside = np.linalg.solve(rows, np.where(fixed, right, right / scale))
         rates = np.where(fixed, self.conductance @ inside, right)
         outside = np.where(fixed, right, inside + tubes * rates)
-        return OperatingPoint(self.names, rates, inside, outside)
+        # to first order: errors of G act like flow rates that are wrong
+        missed = self.errors @ abs(inside)
+        wrong = np.where(fixed, tubes * missed, missed / scale)
+        pressure_errors = abs(np.linalg.inv(rows)) @ wrong
+        rate_errors = np.where(fixed, missed + abs(self.conductance) @ pressure_errors, 0.0)
+        return OperatingPoint(self.names, rates, inside, outside, rate_errors, pressure_errors)
 
     def flow(self, point: OperatingPoint) -> StokesSolution:
         """The flow field at an operating point, without another factorisation."""
@@ -159,16 +170,21 @@ def hydraulic_network(
     openings: Sequence[str],
     quadrature: Rules | None = None,
     storage: Storage | None = None,
+    *,
+    accuracy: float | None = None,
 ) -> Network:
     """The network of a ``channel`` whose flat ``openings`` are named; all other faces are walls.
 
+    With an ``accuracy`` elements are chosen and refined until all flow rates are as accurate as
+    that; without, the channel's patches are the elements.
     Raises ``ConditionError`` for fewer than two openings.
     """
     _check_names(channel, openings)
     conditions: dict[str, Condition] = {n: Pressure(float(n == openings[0])) for n in openings}
     conditions |= {n: NoSlip() for n in channel.names if n not in conditions}
     rules = quadrature or Quadrature()
-    return network_of(StokesProblem(channel, viscosity, conditions, rules, storage=storage))
+    problem = StokesProblem(channel, viscosity, conditions, rules, storage=storage)
+    return network_of(problem, accuracy=accuracy)
 
 
 def tube_resistance(viscosity: float, length: float, bore: float) -> float:
@@ -182,9 +198,10 @@ def _table(matrix: Array, names: Sequence[str]) -> str:
     return text_table(("", *names), rows)
 
 
-def network_of(problem: StokesProblem) -> Network:
+def network_of(problem: StokesProblem, *, accuracy: float | None = None) -> Network:
     """The network of a ``problem``'s openings: those with an inflow, a pressure or a traction.
 
+    ``accuracy`` as in ``hydraulic_network``.
     Its data do not matter.  The matrix is assembled and factorised once for all openings.  Raises
     ``ConditionError`` where other faces are not at rest, or for fewer than two openings.
     """
@@ -202,11 +219,17 @@ def network_of(problem: StokesProblem) -> Network:
         problem.boundary, problem.viscosity, {**problem.conditions, **ends[0]},
         problem.quadrature, storage=problem.storage,
     )  # fmt: skip
-    columns = []
+    if accuracy is not None:
+        refined = whole.solve(accuracy, goal="openings").problem
+        assert isinstance(refined, StokesProblem)
+        whole = refined
+    columns, errors = [], []
     for end in ends:
         flow = whole.with_data(end).solve()
         columns.append([flow.flow_rate(n) for n in names])
-    return Network(names, np.array(columns).T, whole)
+        known = isinstance(whole.layers, Layers)
+        errors.append([flow.accuracy.error("flow rate", n) if known else np.nan for n in names])
+    return Network(names, np.array(columns).T, np.array(errors).T, whole)
 
 
 def _check_names(channel: Boundary, openings: Sequence[str]) -> None:

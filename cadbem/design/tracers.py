@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from cadbem.design.overview import tracers_overview
 from cadbem.design.release_points import OPEN, ReleasePoints
 from cadbem.errors import ConditionError
+from cadbem.operators.layers import Layers
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.profiles import Port, port
 from cadbem.problems.solution import StokesSolution
@@ -42,6 +43,8 @@ class Tracers:
     ``openings`` (N names) through which they left, "" for those that did not; ``ended`` (N texts)
     says why each is followed no further.  Near walls, where the fluid is almost at rest, the
     computed flow may lead into a wall.  ``flow_rates`` (N,) are those that each represents.
+    ``velocity_error`` is the estimated error of the velocity in the mean square, over its size; nan
+    for compressed matrices.
     """
 
     paths: tuple[Array, ...]
@@ -49,6 +52,7 @@ class Tracers:
     openings: tuple[str, ...]
     ended: tuple[str, ...]
     flow_rates: Array
+    velocity_error: float = float("nan")
 
     def __repr__(self) -> str:
         return tracers_overview(self).text()
@@ -122,7 +126,15 @@ def trace(
     return Tracers(
         tuple(np.array(p).T for p in march.paths), tuple(map(np.array, march.moments)),
         tuple(march.openings), tuple(march.ended), release_points.flow_rates,
+        _velocity_error(solution),
     )  # fmt: skip
+
+
+def _velocity_error(solution: StokesSolution) -> float:
+    """The relative error of the velocity in the mean square."""
+    if not isinstance(solution.problem.layers, Layers):
+        return float("nan")
+    return solution.accuracy.of("velocity in the mean square").relative
 
 
 @dataclass(frozen=True, eq=False)

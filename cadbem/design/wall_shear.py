@@ -7,10 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cadbem.operators.layers import Layers
 from cadbem.points import surface_points
 from cadbem.problems.conditions import NoSlip
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
+from cadbem.problems.stokes_accuracy import WALL_SHEAR, analyse
 from cadbem.quadrature.gauss import tensor_rule
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -22,7 +24,7 @@ SAMPLES = 8  # intervals an element and direction in which the peak is looked fo
 class WallShear:
     """Wall shear stress |f - (f·n) n|: its ``peak``, the ``place`` (dim,) of it, on the faces of
     which ``name`` and on which CAD ``face``; ``values`` (N,) at Gauss points with the area
-    ``weights`` (N,).
+    ``weights`` (N,).  ``error`` is the estimated error of the peak, nan for compressed matrices.
 
     At edges that the fluid goes around, such as a junction's corners, the stress of the exact flow
     is infinite: the peak there grows with the grid, whereas percentiles settle.
@@ -34,6 +36,7 @@ class WallShear:
     face: int
     values: Array
     weights: Array
+    error: float = float("nan")
 
     @property
     def mean(self) -> float:
@@ -62,7 +65,18 @@ def wall_shear(solution: StokesSolution, *names: str) -> WallShear:
     parts = [solution.traction.quadrature(i) for i in patches]
     values = [np.linalg.norm(_along(f, points.normal), axis=0) for f, points, _ in parts]
     weights = np.concatenate([w for _, _, w in parts])
-    return WallShear(*tops[best], patch.name, patch.face, np.concatenate(values), weights)
+    return WallShear(
+        *tops[best], patch.name, patch.face, np.concatenate(values), weights, _error(solution)
+    )
+
+
+def _error(solution: StokesSolution) -> float:
+    """Estimated error of the largest shear on walls at rest."""
+    if not isinstance(solution.problem.layers, Layers):
+        return float("nan")
+    fields = solution.velocity, solution.traction
+    found = analyse(solution.problem, *fields, solution.background, WALL_SHEAR)
+    return found.accuracy.worst.error
 
 
 def _peak(solution: StokesSolution, patch: int) -> tuple[float, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -209,8 +209,9 @@ def _largest_shear(equations: StokesEquations, traction: Field, goal: str) -> Fu
     return Functional("largest wall shear", "", top, top, 0 * weights, weights, POINTWISE)
 
 
-def _shear(traction: Field, patch: int, parameters: Sequence[Array]) -> Array:
+def _shear(traction: Field, patch: int, parameters: Iterable[Array]) -> Array:
     """Tangential traction (dim, N) at parameters of a patch."""
+    parameters = list(parameters)
     values = traction.on_patch(patch, *parameters)
     normal = surface_points(traction.space.boundary.patches[patch].surface, *parameters).normal
     return values - (values * normal).sum(axis=0) * normal
