@@ -6,7 +6,7 @@ import time
 import warnings
 from collections.abc import Callable
 from math import ceil, log
-from typing import Any, Protocol, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -14,7 +14,6 @@ from cadbem.boundary import Boundary
 from cadbem.elements.initial import RATIO, first_elements
 from cadbem.elements.marking import Evidence, marked, refined
 from cadbem.errors import AccuracyWarning, ConditionError
-from cadbem.operators.compressed.storage import Compressed, Dense, Storage
 from cadbem.problems.estimates import Analysis
 from cadbem.progress import notice
 from cadbem.quadrature import Quadrature, Rules
@@ -78,32 +77,11 @@ def adapted(
     return best
 
 
-class Adaptable(Protocol):
-    """A problem that is solved on refined elements."""
-
-    @property
-    def quadrature(self) -> Rules:
-        """How accurately it is integrated."""
-
-    @property
-    def storage(self) -> Storage | None:
-        """How its matrix is kept."""
-
-
-def adaptive(problem: Adaptable, accuracy: float) -> dict[str, Any]:
-    """Fields of a problem that follow from an accuracy, if the user has not chosen: the integrals'
-    tolerance, and a dense matrix, which estimates need.
-
-    Raises ``ConditionError`` for a compressed matrix.
-    """
-    if isinstance(problem.storage, Compressed):
-        raise ConditionError(
-            "an accuracy asks for a dense matrix; leave storage away, or choose the elements"
-        )
-    rules = problem.quadrature
-    if rules == Quadrature():
-        rules = Quadrature(min(max(QUADRATURE_SHARE * accuracy, 1e-10), 1e-5))
-    return {"quadrature": rules, "storage": Dense()}
+def rules_for(rules: Rules, accuracy: float) -> Rules:
+    """Integrals as accurate as an accuracy needs, if the user has left the default."""
+    if rules != Quadrature():
+        return rules
+    return Quadrature(min(max(QUADRATURE_SHARE * accuracy, 1e-10), 1e-5))
 
 
 def _levels(accuracy: float) -> int:

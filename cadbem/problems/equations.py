@@ -195,6 +195,21 @@ class StokesEquations:
                     velocity[:, self.space.functions(i)] *= scale
         return velocity, traction
 
+    def fields(
+        self, known: tuple[Array, Array], background: Array | float, values: Array | float
+    ) -> tuple[Array, Array, int]:
+        """Coefficients of the velocity and the traction, and the iterations that they took.
+
+        ``known`` are the coefficients of given data, ``background`` a velocity (dim, T) at
+        collocation points, ``values`` (k,) those of the constraints.
+        """
+        twice = 2 * self.system.free_term
+        plates = np.where(self.thin, known[0], 0.0)
+        source = twice * (background - self.space.values(plates))
+        constraints = values - self.constraints.of(known[0] - plates, known[1])
+        solved = self.system.unknowns(known[0] - plates, known[1], source, constraints)
+        return *self.system.complete(*known, solved.unknowns), solved.iterations
+
 
 def _check_data(
     boundary: Boundary,

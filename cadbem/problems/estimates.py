@@ -113,8 +113,13 @@ def warn_if_doubtful(accuracy: Accuracy) -> None:
         )
 
 
-def adjoints(system: MixedSystem, functionals: Sequence[Functional]) -> Array:
-    """Values (M, rows, T) at the collocation points of the adjoint of each functional."""
+def adjoints(system: MixedSystem, functionals: Sequence[Functional]) -> list[Array]:
+    """Coefficients (rows, F) of the adjoint of each functional.
+
+    Raises ``ConditionError`` for a compressed matrix.
+    """
+    if not functionals:
+        return []
     factors = system.factors
     if not isinstance(factors, DenseFactors):
         raise ConditionError(
@@ -128,7 +133,8 @@ def adjoints(system: MixedSystem, functionals: Sequence[Functional]) -> Array:
             part = system.space.functions(i)
             right[m][:, part] = split.value_mixing.T @ functional.value_weights[:, part]
             right[m][:, part] += split.flux_mixing.T @ functional.flux_weights[:, part]
-    return factors.solve_transposed(right) / system.space.weights
+    values = factors.solve_transposed(right) / system.space.weights
+    return [system.space.interpolate(z) for z in values]
 
 
 @dataclass(frozen=True, eq=False)
@@ -160,14 +166,12 @@ class Norm:
 def analysed(
     functionals: Sequence[Functional],
     norms: Sequence[Norm],
-    system: MixedSystem,
+    adjoint: Sequence[Array],
     checks: CheckPoints,
     residual: Array,
     fields: Sequence[Array],
 ) -> Analysis:
-    """Errors of functionals by their adjoints, and of norms as they are."""
-    space = system.space
-    adjoint = [space.interpolate(z) for z in adjoints(system, functionals)] if functionals else []
+    """Errors of functionals by their ``adjoint`` fields (rows, F), and of norms as they are."""
     spots = [(checks.values(z) * residual).sum(axis=0) for z in adjoint]
     found = [_estimate(f, checks, s) for f, s in zip(functionals, spots, strict=True)]
     for norm in norms:

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 
 from cadbem.spline.basis import Array
 
+MEAN_PRESSURE, FLOW_RATE = "mean pressure", "flow rate"
+FORCES = ("x force", "y force", "z force")
+
 
 @dataclass(frozen=True, eq=False)
 class Functional:

@@ -11,7 +11,7 @@ from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.operators.layers import collocation_targets
 from cadbem.operators.potentials import Potentials
-from cadbem.problems.adapting import MOST_POINTS, adapted, adaptive
+from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.estimates import Analysis
 from cadbem.problems.heat_accuracy import analyse_heat
 from cadbem.problems.heat_conditions import (
@@ -64,7 +64,9 @@ class HeatProblem(HeatEquations):
             return self._solved()
 
         def solve(boundary: Boundary) -> tuple[HeatSolution, Analysis]:
-            finer = replace(self, boundary=boundary, **adaptive(self, accuracy))
+            rules = rules_for(self.quadrature, accuracy)
+            assert isinstance(rules, Quadrature)
+            finer = replace(self, boundary=boundary, quadrature=rules)
             solution = finer._solved()
             fields = solution.temperature, solution.flux
             return solution, analyse_heat(finer, solution.system, *fields)

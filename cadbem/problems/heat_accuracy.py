@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from cadbem.operators.layers import applied
-from cadbem.problems.estimates import Analysis, Norm, analysed, coarser
+from cadbem.problems.estimates import Analysis, Norm, adjoints, analysed, coarser
 from cadbem.problems.functionals import Functional
 from cadbem.problems.heat_conditions import HeatFlux
 from cadbem.problems.heat_equations import HeatEquations
@@ -40,7 +40,9 @@ def analyse_heat(
     areas = checks.by_patch(np.ones(len(checks.weights)))
     squares = checks.by_patch((missed[0] / (2 * system.free_term)) ** 2) / areas.sum()
     norms = [Norm("temperature in the mean square", scale, squares)]
-    return analysed(_rates(equations, flux), norms, system, checks, missed, (value, rate))
+    functionals = _rates(equations, flux)
+    adjoint = adjoints(system, functionals)
+    return analysed(functionals, norms, adjoint, checks, missed, (value, rate))
 
 
 def _rates(equations: HeatEquations, flux: Field) -> list[Functional]:

@@ -59,7 +59,7 @@ class StokesSolution:
     def accuracy(self) -> Accuracy:
         """How wrong flow rates, mean pressures, forces and the velocity may be: see ``Accuracy``.
 
-        Raises ``ConditionError`` for a flow with bodies in it, or without a dense matrix.
+        For compressed matrices adjoints come from a few more flows, and estimates are rougher.
         """
         return analyse(self.problem, self.velocity, self.traction, self.background).accuracy
 

@@ -11,7 +11,7 @@ import numpy as np
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.operators.layers import Layers
-from cadbem.problems.adapting import MOST_POINTS, adapted, adaptive
+from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, warn_if_doubtful
@@ -94,7 +94,8 @@ class StokesProblem(StokesEquations):
         openings = self.openings
 
         def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
-            finer = replace(self, boundary=boundary, **adaptive(self, accuracy))
+            rules = rules_for(self.quadrature, accuracy)
+            finer = replace(self, boundary=boundary, quadrature=rules)
             vars(finer)["openings"] = openings  # the same rims, whatever the elements
             solution = finer._solved()
             fields = solution.velocity, solution.traction
@@ -140,11 +141,6 @@ class StokesProblem(StokesEquations):
     ) -> StokesSolution:
         """The flow with known data, a background velocity (dim, T) at collocation points, and
         given ``values`` (k,) of the constraints."""
-        twice = 2 * self.system.free_term
-        plates = np.where(self.thin, known[0], 0.0)
-        source = twice * (background - self.space.values(plates))
-        constraints = values - self.constraints.of(known[0] - plates, known[1])
-        solved = self.system.unknowns(known[0] - plates, known[1], source, constraints)
-        velocity, traction = self.system.complete(*known, solved.unknowns)
+        velocity, traction, iterations = self.fields(known, background, values)
         fields = Field(self.space, velocity), Field(self.space, traction)
-        return StokesSolution(self, *fields, Background(), solved.iterations)
+        return StokesSolution(self, *fields, Background(), iterations)

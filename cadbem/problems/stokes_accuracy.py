@@ -11,14 +11,15 @@ from cadbem.elements.shape import lengths
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import assemble_layers
+from cadbem.operators.layers import Layers, assemble_layers
 from cadbem.points import surface_points
 from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
 from cadbem.problems.equations import StokesEquations
-from cadbem.problems.estimates import Analysis, Norm, analysed, coarser
-from cadbem.problems.functionals import Functional
+from cadbem.problems.estimates import Analysis, Norm, adjoints, analysed, coarser
+from cadbem.problems.functionals import FLOW_RATE, FORCES, MEAN_PRESSURE, Functional
 from cadbem.problems.mixed import patches_named
+from cadbem.problems.reciprocity import reciprocal_adjoints
 from cadbem.problems.residual import CheckPoints, residual
 from cadbem.space import Field, rational_basis
 from cadbem.spline.basis import Array
@@ -64,7 +65,11 @@ def analyse(
     else:
         points = np.asarray(goal, dtype=float)
         functionals, norms = _velocities(equations, velocity, traction, background, points), []
-    return analysed(functionals, norms, equations.system, checks, missed, (u, f))
+    if isinstance(equations.layers, Layers):
+        adjoint = adjoints(equations.system, functionals)
+    else:
+        adjoint = reciprocal_adjoints(equations, functionals)
+    return analysed(functionals, norms, adjoint, checks, missed, (u, f))
 
 
 def _openings(
@@ -88,13 +93,14 @@ def _openings(
     flow = max(flow, LEAST_FLOW * _speed(CheckPoints.of(space), velocity.coefficients) * area)
     values = [value for value, _ in pressures.values()]
     drop = max(max(values) - min(values), max(map(abs, values)))
+    free = [n for n in rates if not isinstance(equations.conditions[n], Inflow)]
     for name, condition in equations.conditions.items():
-        if isinstance(condition, Pressure | Traction):
+        if isinstance(condition, Pressure | Traction) and len(free) > 1:  # else it is conserved
             value, weights = rates[name]
-            found.append(Functional("flow rate", name, value, flow, weights, 0 * weights))
+            found.append(Functional(FLOW_RATE, name, value, flow, weights, 0 * weights))
         elif isinstance(condition, Inflow):
             value, weights = pressures[name]
-            found.append(Functional("mean pressure", name, value, drop, 0 * weights, weights))
+            found.append(Functional(MEAN_PRESSURE, name, value, drop, 0 * weights, weights))
     return found
 
 
@@ -119,7 +125,7 @@ def _forces(
         for axis, row in enumerate(np.eye(len(traction.coefficients))):
             weights = row[:, None] * integrals
             value = float((weights * traction.coefficients).sum())
-            found.append((name, "xyz"[axis], value, weights))
+            found.append((name, FORCES[axis], value, weights))
     if not found:
         return []
     checks, dimension = CheckPoints.of(space), space.boundary.dimension
@@ -131,7 +137,7 @@ def _forces(
     scale = equations.viscosity * _speed(checks, velocity.coefficients) * size
     scale = max(scale, *(abs(value) for *_, value, _ in found))
     return [
-        Functional(f"{axis} force", name, value, scale, 0 * weights, weights)
+        Functional(axis, name, value, scale, 0 * weights, weights)
         for name, axis, value, weights in found
     ]
 
