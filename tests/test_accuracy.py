@@ -222,6 +222,13 @@ def test_an_accuracy_must_make_sense(accuracy):
         through(duct()).solve(accuracy)
 
 
+def test_a_goal_of_ones_own():
+    """Any number of a solution, judged by its change: the pressure drop over a flow rate."""
+    flow = through(duct()).solve(1e-2, goal=lambda s: s.mean_pressure("inlet"))
+    assert flow.accuracy.worst.quantity == "the goal"
+    assert flow.mean_pressure("inlet") == pytest.approx(3 * SQUARE, rel=1e-2)
+
+
 def test_unknown_goals_are_refused():
     with pytest.raises(cb.ConditionError, match="goal='drag'"):
         through(duct()).solve(1e-2, goal="drag")

@@ -100,9 +100,11 @@ def _points(boundary: Boundary) -> int:
 def _finer(boundary: Boundary, analysis: Analysis, accuracy: float) -> Boundary:
     """The boundary with those elements refined that the errors above ``accuracy`` come from."""
     shares, portion = analysis.shares, PORTION
+    above = (shares.sum(axis=1) > accuracy).any()
+    bound = np.full(len(shares), accuracy if above else 0.0)
     before, excess = _points(boundary), analysis.accuracy.relative / accuracy
     while True:
-        chosen = set(marked(shares, np.full(len(shares), accuracy), portion))
+        chosen = set(marked(shares, bound, portion))
         patches = []
         for i, patch in enumerate(boundary.patches):
             if i in chosen:

@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -182,6 +182,14 @@ def analysed(
         Accuracy(tuple(e for e, _ in found)), checks, np.array([s for _, s in found]),
         np.array(spots).reshape(len(spots), len(checks.weights)), (*fields, *adjoint),
     )  # fmt: skip
+
+
+def by_difference(analysis: Analysis, value: float, before: float | None) -> Analysis:
+    """The analysis of a quantity of which nothing is known but its ``value``, and the one on
+    coarser elements, ``before``: their difference, times ``SAFETY``, is the estimate."""
+    error = np.inf if before is None else SAFETY * abs(value - before)
+    estimate = Estimate("the goal", "", value, float(error), abs(value))
+    return replace(analysis, accuracy=Accuracy((estimate,)))
 
 
 def _estimate(functional: Functional, checks: CheckPoints, spots: Array) -> tuple[Estimate, Array]:

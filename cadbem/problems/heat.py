@@ -22,6 +22,7 @@ from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.heat_solution import HeatSolution
 from cadbem.problems.mixed import MixedSystem
 from cadbem.problems.summary import problem_overview
+from cadbem.quadrature.options import Quadrature
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 

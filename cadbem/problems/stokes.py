@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,7 +14,7 @@ from cadbem.operators.layers import Layers
 from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
-from cadbem.problems.estimates import Analysis, warn_if_doubtful
+from cadbem.problems.estimates import Analysis, by_difference, warn_if_doubtful
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes_accuracy import Goal, analyse
 from cadbem.problems.straightness import warn_if_not_straight
@@ -52,7 +52,7 @@ class StokesProblem(StokesEquations):
         self,
         accuracy: float | None = None,
         *,
-        goal: Goal | None = None,
+        goal: Goal | Callable[[StokesSolution], float] | None = None,
         most_points: int = MOST_POINTS,
     ) -> StokesSolution:
         """Velocity and traction on the boundary, from which all other fields follow.
@@ -61,8 +61,9 @@ class StokesProblem(StokesEquations):
         starts from the patches as they are and goes on until the estimated errors are below
         ``accuracy`` times the quantity's size.  Quantities are the flow rates and mean pressures
         of openings, the forces on bodies, and the velocity in the mean square; or those of a
-        ``goal``: "wall shear" for the largest one, or points (dim, M) for the velocity there.
-        Beyond ``most_points`` it ends with an ``AccuracyWarning``.  Without an ``accuracy`` the
+        ``goal``: "openings" for flow rates and mean pressures alone, "wall shear" for the largest
+        one, points (dim, M) for the velocity there, or a function of the solution that gives a
+        number, which is judged by its change from round to round.  Beyond ``most_points`` it ends with an ``AccuracyWarning``.  Without an ``accuracy`` the
         patches are the elements.
 
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
@@ -89,9 +90,15 @@ class StokesProblem(StokesEquations):
         solution = self._solution(known, background, np.concatenate([within, np.zeros(others)]))
         return replace(solution, background=self.background)
 
-    def _adapted(self, accuracy: float, goal: Goal | None, most_points: int) -> StokesSolution:
+    def _adapted(
+        self,
+        accuracy: float,
+        goal: Goal | Callable[[StokesSolution], float] | None,
+        most_points: int,
+    ) -> StokesSolution:
         """The solution on refined elements."""
         openings = self.openings
+        values: list[float] = []
 
         def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
             rules = rules_for(self.quadrature, accuracy)
@@ -99,7 +106,12 @@ class StokesProblem(StokesEquations):
             vars(finer)["openings"] = openings  # the same rims, whatever the elements
             solution = finer._solved()
             fields = solution.velocity, solution.traction
-            return solution, analyse(finer, *fields, self.background, goal)
+            if not callable(goal):
+                return solution, analyse(finer, *fields, self.background, goal)
+            analysis = analyse(finer, *fields, self.background)
+            values.append(float(goal(solution)))
+            before = values[-2] if len(values) > 1 else None
+            return solution, by_difference(analysis, values[-1], before)
 
         begin = time.process_time()
         solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
