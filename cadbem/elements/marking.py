@@ -58,7 +58,7 @@ def refined(patch: Patch, evidence: Evidence, reduction: float) -> list[Patch]:
     for d in wanted:
         decay = _decay(spectra[d])
         if decay < SMOOTH and degrees[d] < HIGHEST:
-            steps = round(2 * np.log(reduction) / -np.log(max(decay, 1e-3)))
+            steps = round(2 * np.log(min(reduction, 1e3)) / -np.log(max(decay, 1e-3)))
             degrees[d] = min(degrees[d] + int(np.clip(steps, 1, MOST_STEPS)), HIGHEST)
         else:
             low, high = surface.domain[d]

@@ -14,7 +14,7 @@ from cadbem.boundary import Boundary
 from cadbem.elements.initial import RATIO, first_elements
 from cadbem.elements.marking import Evidence, marked, refined
 from cadbem.errors import AccuracyWarning, ConditionError
-from cadbem.problems.estimates import Analysis
+from cadbem.problems.estimates import Analysis, Estimate
 from cadbem.progress import notice
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
@@ -51,7 +51,7 @@ def adapted(
     boundary = first_elements(start, _levels(accuracy)).elevated(_degree(accuracy))
     best: tuple[Solution, Analysis] | None = None
     number = 0
-    while True:
+    while best is None or _points(boundary) <= most_points:
         number, begin = number + 1, time.process_time()
         solution, analysis = solve(boundary)
         worst = analysis.accuracy.worst
@@ -64,17 +64,19 @@ def adapted(
         if worst.relative <= accuracy:
             return solution, analysis
         boundary = _finer(boundary, analysis, accuracy)
-        if _points(boundary) > most_points:
-            break
-    error = best[1].accuracy.worst
+    _warn(best[1].accuracy.worst, accuracy, _points(boundary), most_points)
+    return best
+
+
+def _warn(error: Estimate, accuracy: float, wanted: int, allowed: int) -> None:
+    """Say that an accuracy is not reached."""
     warnings.warn(
         f"the accuracy {accuracy:g} that was asked for is not reached: the estimated error of "
         f"{error.name} is {error.relative:.1e} of its size, and the next round would take "
-        f"{_points(boundary)} points; allow more by most_points={2 * most_points}",
+        f"{wanted} points; allow more by most_points={2 * allowed}",
         AccuracyWarning,
-        stacklevel=4,
+        stacklevel=5,
     )
-    return best
 
 
 def rules_for(rules: Rules, accuracy: float) -> Rules:

@@ -63,8 +63,8 @@ class StokesProblem(StokesEquations):
         of openings, the forces on bodies, and the velocity in the mean square; or those of a
         ``goal``: "openings" for flow rates and mean pressures alone, "wall shear" for the largest
         one, points (dim, M) for the velocity there, or a function of the solution that gives a
-        number, which is judged by its change from round to round.  Beyond ``most_points`` it ends with an ``AccuracyWarning``.  Without an ``accuracy`` the
-        patches are the elements.
+        number, which is judged by its change from round to round.  Beyond ``most_points`` it ends
+        with an ``AccuracyWarning``.  Without an ``accuracy`` the patches are the elements.
 
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
