@@ -5,13 +5,13 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
-from math import ceil, log
+from math import ceil, log10
 from typing import TypeVar
 
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.elements.initial import RATIO, first_elements
+from cadbem.elements.initial import first_elements
 from cadbem.elements.marking import Evidence, marked, refined
 from cadbem.errors import AccuracyWarning, ConditionError
 from cadbem.problems.estimates import Analysis, Estimate
@@ -23,11 +23,12 @@ Solution = TypeVar("Solution")
 
 FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
 MOST_POINTS = 4000
-EXPONENT = 1.09  # errors of flow rates fall so with the size of elements at a right-angled edge
-SINGULAR = 3e-3  # error that such an edge makes with elements as large as the channel is wide
-QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
-PORTION = 0.7  # of an error, that of the elements that are refined
-GROWTH = 1.25  # of the points in a round, at least
+UNGRADED = 3e-3  # accuracy from which on elements are graded from the beginning
+DEGREES = ((5e-4, 3), (2e-4, 4), (0.0, 5))  # accuracies above which to begin with a degree
+QUADRATURE_SHARE = 1e-3  # of the accuracy: tolerance of integrals
+PORTION, LAST_PORTION = 0.7, 0.5  # of an error, that of the elements that are refined
+CLOSE = 3.0  # times the accuracy: errors below it need the last, smaller rounds
+GROWTH = 1.2  # of the points in a round, at least
 
 
 def adapted(
@@ -87,12 +88,13 @@ def rules_for(rules: Rules, accuracy: float) -> Rules:
 
 
 def _levels(accuracy: float) -> int:
-    """Steps of grading towards re-entrant edges that an accuracy takes."""
-    return max(0, ceil(log(accuracy / (2 * SINGULAR)) / (EXPONENT * log(RATIO)) - 0.1))
+    """Steps of grading towards re-entrant edges with which to begin: one for two digits more."""
+    return max(0, ceil(log10(UNGRADED / accuracy) / 2))
 
 
 def _degree(accuracy: float) -> int:
-    return 3 if accuracy > 5e-4 else 4
+    """The degree with which to begin."""
+    return next(degree for least, degree in DEGREES if accuracy > least)
 
 
 def _points(boundary: Boundary) -> int:
@@ -101,10 +103,11 @@ def _points(boundary: Boundary) -> int:
 
 def _finer(boundary: Boundary, analysis: Analysis, accuracy: float) -> Boundary:
     """The boundary with those elements refined that the errors above ``accuracy`` come from."""
-    shares, portion = analysis.shares, PORTION
+    excess = analysis.accuracy.relative / accuracy
+    shares, portion = analysis.shares, PORTION if excess > CLOSE else LAST_PORTION
     above = (shares.sum(axis=1) > accuracy).any()
     bound = np.full(len(shares), accuracy if above else 0.0)
-    before, excess = _points(boundary), analysis.accuracy.relative / accuracy
+    before = _points(boundary)
     while True:
         chosen = set(marked(shares, bound, portion))
         patches = []

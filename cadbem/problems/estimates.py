@@ -29,7 +29,7 @@ from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 
 SAFETY = 2.0
-CHECKED = 1e-5  # tolerance of integrals: residuals need few digits
+CHECKED = 1e-7  # tolerance of residuals, at best
 DOUBTFUL = 0.02  # relative error from which a solution warns
 
 
