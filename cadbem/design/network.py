@@ -15,8 +15,8 @@ import numpy as np
 from cadbem.boundary import Boundary
 from cadbem.design.overview import network_overview
 from cadbem.errors import ConditionError, SelectionError
+from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.compressed.storage import Storage
-from cadbem.operators.layers import Layers
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
@@ -227,7 +227,7 @@ def network_of(problem: StokesProblem, *, accuracy: float | None = None) -> Netw
     for end in ends:
         flow = whole.with_data(end).solve()
         columns.append([flow.flow_rate(n) for n in names])
-        known = isinstance(whole.layers, Layers)
+        known = not isinstance(whole.layers, CompressedLayers)
         errors.append([flow.accuracy.error("flow rate", n) if known else np.nan for n in names])
     return Network(names, np.array(columns).T, np.array(errors).T, whole)
 

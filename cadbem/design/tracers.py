@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from cadbem.design.overview import tracers_overview
 from cadbem.design.release_points import OPEN, ReleasePoints
 from cadbem.errors import ConditionError
-from cadbem.operators.layers import Layers
+from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.profiles import Port, port
 from cadbem.problems.solution import StokesSolution
@@ -132,7 +132,7 @@ def trace(
 
 def _velocity_error(solution: StokesSolution) -> float:
     """The relative error of the velocity in the mean square."""
-    if not isinstance(solution.problem.layers, Layers):
+    if isinstance(solution.problem.layers, CompressedLayers):
         return float("nan")
     return solution.accuracy.of("velocity in the mean square").relative
 

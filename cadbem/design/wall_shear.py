@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from cadbem.operators.layers import Layers
+from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.points import surface_points
 from cadbem.problems.conditions import NoSlip
 from cadbem.problems.mixed import patches_named
@@ -72,7 +72,7 @@ def wall_shear(solution: StokesSolution, *names: str) -> WallShear:
 
 def _error(solution: StokesSolution) -> float:
     """Estimated error of the largest shear on walls at rest."""
-    if not isinstance(solution.problem.layers, Layers):
+    if isinstance(solution.problem.layers, CompressedLayers):
         return float("nan")
     fields = solution.velocity, solution.traction
     found = analyse(solution.problem, *fields, solution.background, WALL_SHEAR)

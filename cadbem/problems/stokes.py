@@ -10,7 +10,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
-from cadbem.operators.layers import Layers
+from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
@@ -77,7 +77,7 @@ class StokesProblem(StokesEquations):
         begin = time.process_time()
         solution = self._solved()
         solution = replace(solution, seconds=time.process_time() - begin)
-        if isinstance(self.layers, Layers):
+        if not isinstance(self.layers, CompressedLayers):
             warn_if_doubtful(solution.accuracy)
         return solution
 

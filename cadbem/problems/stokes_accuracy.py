@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from cadbem.elements.shape import lengths
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
+from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import Layers, assemble_layers
+from cadbem.operators.layers import assemble_layers
 from cadbem.points import surface_points
 from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
@@ -65,10 +66,10 @@ def analyse(
     else:
         points = np.asarray(goal, dtype=float)
         functionals, norms = _velocities(equations, velocity, traction, background, points), []
-    if isinstance(equations.layers, Layers):
-        adjoint = adjoints(equations.system, functionals)
-    else:
+    if isinstance(equations.layers, CompressedLayers):
         adjoint = reciprocal_adjoints(equations, functionals)
+    else:
+        adjoint = adjoints(equations.system, functionals)
     return analysed(functionals, norms, adjoint, checks, missed, (u, f))
 
 
