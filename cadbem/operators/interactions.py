@@ -57,12 +57,15 @@ class Targets:
 def interact(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     quadrature: Rules,
     accumulator: Accumulator,
 ) -> None:
-    """Add everything that ``patch`` does to ``targets`` to ``accumulator``."""
+    """Add everything that ``patch`` does to ``targets`` to ``accumulator``.
+
+    Where several patches are taken for one, ``patch`` is the owner of each row of panels.
+    """
     orders = quadrature.far_orders(max(panels.surface.degrees))
     level = panels.levels(targets.position, reaches(panels, orders, quadrature))
     for k, order in enumerate(orders):
@@ -75,7 +78,7 @@ def interact(
 def interact_pairs(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     pairs: tuple[Index, Index],
     quadrature: Rules,
@@ -98,7 +101,7 @@ def interact_pairs(
 def _add_close(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     pairs: tuple[Index, Index],
     quadrature: Rules,
@@ -114,7 +117,7 @@ def _add_close(
 def correct_close_pairs(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     quadrature: Rules,
     accumulator: Accumulator,
@@ -156,7 +159,7 @@ class _Close:
     def of(
         cls,
         panels: Panels,
-        patch: int,
+        patch: int | Index,
         targets: Targets,
         quadrature: Rules,
         target: Index,
@@ -180,12 +183,12 @@ class _Close:
 
 
 def _closest(
-    panels: Panels, patch: int, targets: Targets, close_target: Index, close_panel: Index
+    panels: Panels, patch: int | Index, targets: Targets, close_target: Index, close_panel: Index
 ) -> Array:
     """Closest points (3, pairs): u, v within the panel, distance; exact for a patch's own."""
     result = panels.closest(targets.position, close_target, close_panel)
     grid = np.divmod(close_panel, panels.shape[1])
-    own = targets.owner[close_target] == patch
+    own = targets.owner[close_target] == np.broadcast_to(patch, panels.shape[0])[grid[0]]
     pairs = np.arange(len(own))
     for direction, parameter in enumerate(targets.parameters):
         inside = panels.locate(direction, parameter[close_target])

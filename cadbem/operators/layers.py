@@ -27,18 +27,12 @@ Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
 class Layers:
     """Single and double layer, without factors, from a space's functions to T targets.
 
-    ``entries`` (entries, T, F) holds the kernel's distinct numbers; ``apply`` and ``columns``
-    are the face that problems see.
+    ``entries`` (entries, T, F) holds the kernel's distinct numbers: for few targets.
     """
 
     kernel: Kernel
     space: Space
     entries: Array
-
-    @property
-    def tolerance(self) -> float:
-        """Of systems beyond round-off: none."""
-        return 0.0
 
     @property
     def count(self) -> int:
@@ -63,14 +57,53 @@ class Layers:
         return mixed_columns(self.kernel, part, single, double)
 
 
+@dataclass(frozen=True, eq=False)
+class OwnLayers:
+    """Single and double layer, without factors, from a space's functions to its own collocation
+    points, without matrices: ``apply`` and ``columns`` integrate each time.
+
+    ``tolerance`` of systems beyond round-off.
+    """
+
+    kernel: Kernel
+    space: Space
+    quadrature: Rules
+    tolerance: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        return self.space.count
+
+    def apply(self, single: Array, double: Array) -> Array:
+        """S @ single + D @ double for coefficients (components, F): shape (rows, T).
+
+        Only patches with densities cost anything.
+        """
+        targets = collocation_targets(self.space)
+        return applied(self.kernel, self.space, targets, self.quadrature, single, double)
+
+    def columns(self, patch: int, single: Array, double: Array) -> Array:
+        """Matrix (rows, T, k, n) of the map q -> S (single q) + D (double q) on one patch."""
+        kernel = self.kernel if double.any() else self.kernel.single_alone
+        targets = collocation_targets(self.space)
+        entries = assemble_patch(kernel, self.space, patch, targets, self.quadrature)
+        return mixed_columns(kernel, entries, single, double)
+
+
 def mixed_columns(kernel: Kernel, entries: Array, single: Array, double: Array) -> Array:
     """Matrix (rows, T, k, n) from a kernel's ``entries`` (·, T, n): see ``Layers.columns``."""
     result = np.zeros((kernel.rows, entries.shape[1], single.shape[1], entries.shape[2]))
+    add_mixed(kernel, entries, single, double, result)
+    return result
+
+
+def add_mixed(kernel: Kernel, entries: Array, single: Array, double: Array, result: Array) -> None:
+    """Add the same to ``result``."""
     for layout, mixing in ((kernel.single, single), (kernel.double, double)):
         for i, j, k in product(*map(range, (len(layout), *mixing.shape))):
             if mixing[j, k] != 0.0:
                 result[i, :, k] += mixing[j, k] * entries[layout[i][j]]
-    return result
 
 
 def collocation_targets(space: Space) -> Targets:
@@ -146,7 +179,11 @@ def assemble_patch(
 def tasks(space: Space, count: int) -> list[Task]:
     """Each patch with each chunk of ``count`` targets, the most work first."""
     panels = [split_patch(p.surface) for p in space.boundary.patches]
-    chunk = int(np.clip(-(-count // (SHARES * (os.cpu_count() or 1))), *TARGET_CHUNKS))
-    chunks = [slice(k, min(k + chunk, count)) for k in range(0, count, chunk)]
-    jobs = [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
+    jobs = [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks(count))]
     return sorted(jobs, key=lambda job: -len(job[1].flat_nets) * (job[2].stop - job[2].start))
+
+
+def chunks(count: int) -> list[slice]:
+    """Parts of ``count`` targets that are enough for all cores."""
+    chunk = int(np.clip(-(-count // (SHARES * (os.cpu_count() or 1))), *TARGET_CHUNKS))
+    return [slice(k, min(k + chunk, count)) for k in range(0, count, chunk)]
