@@ -97,10 +97,15 @@ class Panels:
     @cached_property
     def lengths(self) -> Array:
         """The longer side of each panel: (E,)."""
+        return self.sides.max(axis=0)
+
+    @cached_property
+    def sides(self) -> Array:
+        """The longest line of each panel in each direction: (2, E)."""
         grid = self.samples[2].reshape(len(self.flat_nets), *self._sample_counts, -1)
         u = np.linalg.norm(np.diff(grid, axis=1), axis=3).sum(axis=1).max(axis=1)
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
-        return np.maximum(u, v)
+        return np.stack([u, v])
 
     def levels(self, position: Array, reaches: Array) -> NDArray[np.int8]:
         """The number of ``reaches`` (J, E) that may exceed the distance of each pair: (T, E).
@@ -222,11 +227,7 @@ class Nodes:
     def weighted(self, panels: Panels, chosen: Index) -> Array:
         """Weighted functions of n ``chosen`` panels at their nodes: (n, N, functions)."""
         grid = np.divmod(chosen, panels.shape[1])
-        u, v = (f[k] for f, k in zip(self.functions, grid, strict=True))
-        values = u[:, :, None, :, None] * v[:, None, :, None, :]
-        values *= panels.controls[grid][:, None, None]
-        values *= self.weight[grid].reshape(*values.shape[:3], 1, 1)
-        return values.reshape(len(chosen), self.weight.shape[2], -1)
+        return weighted_functions(self.functions, panels, grid, self.weight[grid])
 
     def densities(self, panels: Panels, density: Array) -> Array:
         """Weighted values (components, nodes) of coefficients (components, n_u, n_v)."""
@@ -241,12 +242,53 @@ class Nodes:
 @lru_cache(maxsize=1024)
 def tensor_nodes(panels: Panels, order: int) -> Nodes:
     """Nodes of the tensor Gauss rule of ``order`` on every panel; one node across a curve."""
+    orders = order, order if panels.surface.degrees[1] else 1
+    position, normal, weight = _places(panels, panels.flat_nets, orders)
+    flat = (*panels.shape, orders[0] * orders[1])
+    return Nodes(
+        position.reshape(-1, *flat), normal.reshape(-1, *flat), weight.reshape(flat),
+        _functions(panels, orders),
+    )  # fmt: skip
+
+
+def nodes_of_some(
+    panels: Panels, orders: tuple[int, int], chosen: Index
+) -> tuple[Array, Array, Array]:
+    """Nodes of tensor rules with an order in each direction, on n ``chosen`` panels only.
+
+    Positions and normals (dim, n N), and weighted functions (n, N, functions).
+    """
+    orders = orders[0], orders[1] if panels.surface.degrees[1] else 1
+    position, normal, weight = _places(panels, panels.flat_nets[chosen], orders)
+    grid = np.divmod(chosen, panels.shape[1])
+    functions = _functions(panels, orders)
+    return position, normal, weighted_functions(functions, panels, grid, weight)
+
+
+def weighted_functions(
+    functions: tuple[Array, ...], panels: Panels, grid: tuple[Index, Index], weight: Array
+) -> Array:
+    """Functions of panels at places ``grid`` times weights (n, N): (n, N, functions)."""
+    u, v = (f[k] for f, k in zip(functions, grid, strict=True))
+    values = u[:, :, None, :, None] * v[:, None, :, None, :]
+    values *= panels.controls[grid][:, None, None]
+    values *= weight.reshape(*values.shape[:3], 1, 1)
+    return values.reshape(*weight.shape, -1)
+
+
+def _functions(panels: Panels, orders: tuple[int, int]) -> tuple[Array, ...]:
+    """B-splines (P, m, p + 1) of the panels at Gauss points, in each direction."""
+    pairs = zip(panels.surface.degrees, orders, panels.extraction, strict=True)
+    return tuple(_bernstein_tables(p, m)[0].T @ extraction for p, m, extraction in pairs)
+
+
+def _places(panels: Panels, nets: Array, orders: tuple[int, int]) -> tuple[Array, Array, Array]:
+    """Positions and normals (dim, n N) and weights (n, N) of tensor nodes on ``nets`` (n, ...)."""
     p, q = panels.surface.degrees
-    m_u, m_v = order, order if q else 1
-    (bu, du), (bv, dv) = _bernstein_tables(p, m_u), _bernstein_tables(q, m_v)
-    value = np.einsum("ik,jl,abijc->cabkl", bu, bv, panels.nets, optimize=True)
-    along_u = np.einsum("ik,jl,abijc->cabkl", du, bv, panels.nets, optimize=True)
-    along_v = np.einsum("ik,jl,abijc->cabkl", bu, dv, panels.nets, optimize=True)
+    (bu, du), (bv, dv) = (_bernstein_tables(p, m) for p, m in zip((p, q), orders, strict=True))
+    control = np.ascontiguousarray(np.moveaxis(nets, 3, 0))
+    across, slopes = control @ bv, control @ dv
+    value, along_u, along_v = bu.T @ across, du.T @ across, bu.T @ slopes
     weight = value[-1]
     position = value[:-1] / weight
     tangent_u = (along_u[:-1] - along_u[-1] * position) / weight
@@ -254,17 +296,10 @@ def tensor_nodes(panels: Panels, order: int) -> Nodes:
     normal = area_vector(tangent_u, *([tangent_v] if q else []))
     jacobian = np.linalg.norm(normal, axis=0)
     scale = np.where(jacobian > 0, jacobian, 1.0)
-    factor = np.outer(gauss_unit(m_u)[1], gauss_unit(m_v)[1]) * jacobian / weight
-    functions = tuple(
-        np.einsum("ik,aij->akj", b, e) for b, e in zip((bu, bv), panels.extraction, strict=True)
-    )
-    flat = (*panels.shape, m_u * m_v)
-    return Nodes(
-        position.reshape(-1, *flat),
-        (normal / scale).reshape(-1, *flat),
-        factor.reshape(flat),
-        functions,
-    )
+    factor = np.outer(gauss_unit(orders[0])[1], gauss_unit(orders[1])[1]) * jacobian / weight
+    dim, count = len(position), len(nets)
+    normal /= scale
+    return position.reshape(dim, -1), normal.reshape(dim, -1), factor.reshape(count, -1)
 
 
 @lru_cache(maxsize=256)

@@ -18,7 +18,6 @@ from cadbem.quadrature.panels import area_vector, metric
 from cadbem.quadrature.polar import collapsed_side_nodes, polar_nodes
 from cadbem.quadrature.uniform import thesis_nodes
 
-
 SMALLEST = 1e-290  # length of a vector whose direction counts
 TILE = 64  # nodes at a time, so that what they share stays in the nearest cache
 

@@ -10,6 +10,8 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+HIGHER = 0, 3, 7, 13, 22  # orders of the tensor rules beyond the one for far panels
+
 
 @dataclass(frozen=True)
 class Quadrature:
@@ -29,7 +31,7 @@ class Quadrature:
     def orders(self, degree: int) -> tuple[int, ...]:
         """Gauss orders of the tensor rules, for far panels first; they grow with the degree."""
         far = ceil(degree / 2 + 1 - 0.6 * log10(self.tolerance))
-        return far, far + 3, far + 7
+        return tuple(far + more for more in HIGHER)
 
     def far_orders(self, degree: int) -> tuple[int, ...]:
         """Orders up to the first of these, the lowest for panels farthest away."""
