@@ -42,6 +42,12 @@ class Group:
             parameters[0, here] += number
         return Targets(targets.position, owner, parameters)
 
+    def gathered(self, space: Space, density: Array) -> Array:
+        """Coefficients (components, n_u, n_v) of the group from those of all functions."""
+        parts = [density[:, space.functions(i)] for i in self.patches]
+        shape = self.panels.surface.weights.shape
+        return np.ascontiguousarray(np.concatenate(parts, axis=1)).reshape(-1, *shape)
+
 
 def in_shares_of(space: Space, targets: Targets) -> Targets:
     """The same targets, the domain of each patch's parameters being 0 to 1."""

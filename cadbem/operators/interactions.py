@@ -133,7 +133,7 @@ def correct_close_pairs(
     lowest = quadrature.orders(degree)[0]
     level = panels.levels(targets.position, reaches(panels, (lowest,), quadrature))
     close = _Close.of(panels, patch, targets, quadrature, *by_blocks(level > 0))
-    bad = (close.level > 0).any(axis=0)
+    bad = close.level.max(axis=0) > 0
     close.add_tensors(kernel, targets, accumulator, bad)
     pairs = close.target[bad], close.panel[bad]
     add_tensor(kernel, panels, lowest, targets.position, *pairs, against)

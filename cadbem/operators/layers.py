@@ -10,6 +10,7 @@ import numpy as np
 
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.accumulators import MatrixAccumulator, PotentialAccumulator
+from cadbem.operators.groups import groups, in_shares_of
 from cadbem.operators.interactions import Targets, interact
 from cadbem.operators.panels import Panels, split_patch
 from cadbem.operators.parallel import run_tasks
@@ -17,7 +18,7 @@ from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
-TARGET_CHUNKS = 256, 2048  # targets a task, at least and at most
+TARGET_CHUNKS = 512, 2048  # targets a task, at least and at most
 SHARES = 2  # tasks of each patch for each core
 
 Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
@@ -139,22 +140,26 @@ def applied(
     On the boundary, principal values.  Only patches with densities cost anything: (rows, T).
     """
     active = [
-        task for task in tasks(space, targets.count)
-        if any(d[:, space.functions(task[0])].any() for d in (single, double))
-    ]  # fmt: skip
-    results = np.zeros((len(space.parameters), kernel.rows, targets.count))
-    layouts = kernel.single, kernel.double
+        any(d[:, space.functions(i)].any() for d in (single, double))
+        for i in range(len(space.parameters))
+    ]
+    kernel = kernel if double.any() else kernel.single_alone
+    layouts = [x for x in (kernel.single, kernel.double) if x]
+    shared = in_shares_of(space, targets)
+    together = [group for group in groups(space, active) if active[group.patches[0]]]
+    jobs = list(product(range(len(together)), chunks(targets.count)))
+    results = np.zeros((len(together), kernel.rows, targets.count))
 
-    def work(_: int, task: Task) -> None:
-        patch, panels, rows = task
-        shape, part = panels.surface.weights.shape, space.functions(patch)
-        densities = [np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)]
+    def work(_: int, job: tuple[int, slice]) -> None:
+        group, rows = together[job[0]], job[1]
+        densities = [group.gathered(space, d) for d in (single, double)][: len(layouts)]
         result = np.zeros((kernel.rows, rows.stop - rows.start))
         accumulator = PotentialAccumulator(result, layouts, densities)
-        interact(kernel, panels, patch, targets.part(rows), quadrature, accumulator)
-        results[patch][:, rows] = result
+        here = group.targets(shared.part(rows))
+        interact(kernel, group.panels, group.owner, here, quadrature, accumulator)
+        results[job[0]][:, rows] = result
 
-    run_tasks(work, active, "boundary integrals")
+    run_tasks(work, jobs, "boundary integrals")
     return results.sum(axis=0)
 
 
