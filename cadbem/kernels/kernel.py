@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,6 +47,9 @@ class Kernel:
     closed boundary, normals into the domain; inside it is twice that, outside zero.  Kernels of
     derivatives (pressure, gradient) make nothing of a constant.  An ``invariant`` kernel depends
     on differences of positions only, and may be evaluated with shifted ones.
+
+    If ``separable``, the single layer's entries are the first ones, and ``fill`` writes no others
+    into a table that has no more.
     """
 
     name: str
@@ -57,6 +61,7 @@ class Kernel:
     free_term: float = 0.0
     invariant: bool = True
     sums: Sums | None = None
+    separable: bool = False
 
     @property
     def rows(self) -> int:
@@ -67,6 +72,13 @@ class Kernel:
     def components(self) -> int:
         """Components of a density."""
         return len(self.single[0])
+
+    @cached_property
+    def single_alone(self) -> Kernel:
+        """The single layer without the double layer, of separable kernels; others as they are."""
+        if not self.separable:
+            return self
+        return replace(self, entries=1 + max(map(max, self.single)), double=())
 
     def block(self, targets: Array, position: Array, normal: Array, room: Array) -> Array:
         """Every target (dim, T) with every source (dim, N): table (entries, T, N).

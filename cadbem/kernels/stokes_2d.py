@@ -31,6 +31,7 @@ TILE = 256  # sources at a time, so that what pairs share stays in the nearest c
 @compiled(fastmath=True)
 def _velocity(targets, starts, stops, columns, position, normal, table):
     r, inverse, log, stress = np.empty((2, TILE)), np.empty(TILE), np.empty(TILE), np.empty(TILE)
+    both = len(table) > 3
     for t in range(targets.shape[1]):
         x, y = targets[0, t], targets[1, t]
         for low in range(starts[t], stops[t], TILE):
@@ -54,9 +55,10 @@ def _velocity(targets, starts, stops, columns, position, normal, table):
                     out = table[entry, first:last]
                     for k in range(high - low):
                         out[k] = delta * log[k] + ra[k] * rb[k] * inverse[k]
-                    out = table[entry + 3, first:last]
-                    for k in range(high - low):
-                        out[k] = ra[k] * rb[k] * stress[k]
+                    if both:
+                        out = table[entry + 3, first:last]
+                        for k in range(high - low):
+                            out[k] = ra[k] * rb[k] * stress[k]
                     entry += 1
 
 
@@ -96,6 +98,7 @@ STOKES_2D = Kernel(
     fill=_velocity,
     free_term=2 * pi,
     sums=SUMS_2D,
+    separable=True,
 )
 
 STOKES_PRESSURE_2D = Kernel(

@@ -27,6 +27,7 @@ TILE = 256  # sources at a time, so that what pairs share stays in the nearest c
 @compiled(fastmath=True, error_model="numpy")
 def _velocity(targets, starts, stops, columns, position, normal, table):
     r, inverse, cube, stress = np.empty((3, TILE)), np.empty(TILE), np.empty(TILE), np.empty(TILE)
+    both = len(table) > 6
     for t in range(targets.shape[1]):
         x, y, z = targets[0, t], targets[1, t], targets[2, t]
         for low in range(starts[t], stops[t], TILE):
@@ -39,7 +40,11 @@ def _velocity(targets, starts, stops, columns, position, normal, table):
                 r[0, k], r[1, k], r[2, k] = rx, ry, rz
                 inverse[k] = i
                 cube[k] = i * i * i
-                stress[k] = -6.0 * (rx * nx[k] + ry * ny[k] + rz * nz[k]) * cube[k] * i * i
+            if both:
+                rx, ry, rz = r[0], r[1], r[2]
+                for k in range(high - low):
+                    across = rx[k] * nx[k] + ry[k] * ny[k] + rz[k] * nz[k]
+                    stress[k] = -6.0 * across * cube[k] * inverse[k] * inverse[k]
             first = columns[t] + low - starts[t]
             last, entry = first + high - low, 0
             for a in range(3):
@@ -50,9 +55,10 @@ def _velocity(targets, starts, stops, columns, position, normal, table):
                     out = table[entry, first:last]
                     for k in range(high - low):
                         out[k] = delta * inverse[k] + ra[k] * rb[k] * cube[k]
-                    out = table[entry + 6, first:last]
-                    for k in range(high - low):
-                        out[k] = ra[k] * rb[k] * stress[k]
+                    if both:
+                        out = table[entry + 6, first:last]
+                        for k in range(high - low):
+                            out[k] = ra[k] * rb[k] * stress[k]
                     entry += 1
 
 
@@ -92,6 +98,7 @@ STOKES_3D = Kernel(
     fill=_velocity,
     free_term=4 * pi,
     sums=SUMS_3D,
+    separable=True,
 )
 
 STOKES_PRESSURE_3D = Kernel(

@@ -12,6 +12,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Index, Kernel
 from cadbem.operators.accumulators import Accumulator
@@ -23,6 +24,7 @@ from cadbem.quadrature.polar import WHOLE
 from cadbem.spline.basis import Array
 
 NODE_CAPACITY = 1 << 16  # nodes a table of near pairs
+MOST_NODES = 1200  # of a tensor rule: more are slower than a polar rule
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,12 +59,15 @@ class Targets:
 def interact(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     quadrature: Rules,
     accumulator: Accumulator,
 ) -> None:
-    """Add everything that ``patch`` does to ``targets`` to ``accumulator``."""
+    """Add everything that ``patch`` does to ``targets`` to ``accumulator``.
+
+    Where several patches are taken for one, ``patch`` is the owner of each row of panels.
+    """
     orders = quadrature.far_orders(max(panels.surface.degrees))
     level = panels.levels(targets.position, reaches(panels, orders, quadrature))
     for k, order in enumerate(orders):
@@ -75,7 +80,7 @@ def interact(
 def interact_pairs(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     pairs: tuple[Index, Index],
     quadrature: Rules,
@@ -98,7 +103,7 @@ def interact_pairs(
 def _add_close(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     pairs: tuple[Index, Index],
     quadrature: Rules,
@@ -106,15 +111,14 @@ def _add_close(
 ) -> None:
     """Add pairs that may be too close for the lowest of the rule's orders."""
     close = _Close.of(panels, patch, targets, quadrature, *pairs)
-    for k in range(len(close.orders)):
-        close.add(kernel, k, targets, accumulator)
+    close.add_tensors(kernel, targets, accumulator)
     _near(kernel, panels, targets, close, quadrature, accumulator)
 
 
 def correct_close_pairs(
     kernel: Kernel,
     panels: Panels,
-    patch: int,
+    patch: int | Index,
     targets: Targets,
     quadrature: Rules,
     accumulator: Accumulator,
@@ -129,9 +133,8 @@ def correct_close_pairs(
     lowest = quadrature.orders(degree)[0]
     level = panels.levels(targets.position, reaches(panels, (lowest,), quadrature))
     close = _Close.of(panels, patch, targets, quadrature, *by_blocks(level > 0))
-    for k in range(1, len(close.orders)):
-        close.add(kernel, k, targets, accumulator)
-    bad = close.level > 0
+    bad = close.level.max(axis=0) > 0
+    close.add_tensors(kernel, targets, accumulator, bad)
     pairs = close.target[bad], close.panel[bad]
     add_tensor(kernel, panels, lowest, targets.position, *pairs, against)
     _near(kernel, panels, targets, close, quadrature, accumulator)
@@ -141,8 +144,9 @@ def correct_close_pairs(
 class _Close:
     """Pairs of targets and panels that may be too close for the lowest of the ``orders``.
 
-    ``closest`` (3, pairs): u, v within the panel, distance; ``level`` (pairs,): the first order
-    that is good enough, their number if none is.
+    ``closest`` (3, pairs): u, v within the panel, distance; ``level`` (2, pairs): the first order
+    that is good enough in each direction; both their number if there is none, or if a polar rule
+    needs fewer nodes.
     """
 
     panels: Panels
@@ -156,7 +160,7 @@ class _Close:
     def of(
         cls,
         panels: Panels,
-        patch: int,
+        patch: int | Index,
         targets: Targets,
         quadrature: Rules,
         target: Index,
@@ -166,26 +170,44 @@ class _Close:
         degree = max(panels.surface.degrees)
         orders = quadrature.orders(degree)
         closest = _closest(panels, patch, targets, target, panel)
-        ratio = closest[2] / panels.lengths[panel]
-        level = np.zeros(len(ratio), dtype=np.int64)
+        level = np.zeros((2, len(target)), dtype=np.int64)
         for order in orders:
-            level += ratio < quadrature.reach(order, degree)
+            level += closest[2] < quadrature.reach(order, degree) * panels.sides[:, panel]
+        counts = np.array([*orders, MOST_NODES])[level]
+        level[:, counts[0] * counts[1] >= MOST_NODES] = len(orders)
         return cls(panels, orders, target, panel, closest, level)
 
-    def add(self, kernel: Kernel, level: int, targets: Targets, accumulator: Accumulator) -> None:
-        """Add the pairs of one of the orders."""
-        here = self.level == level
-        pairs, order = (self.target[here], self.panel[here]), self.orders[level]
-        add_tensor(kernel, self.panels, order, targets.position, *pairs, accumulator)
+    @property
+    def left(self) -> NDArray[np.bool_]:
+        """Pairs (pairs,) for polar rules."""
+        return self.level[0] == len(self.orders)
+
+    def add_tensors(
+        self,
+        kernel: Kernel,
+        targets: Targets,
+        accumulator: Accumulator,
+        chosen: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Add the pairs for tensor rules, or only those of them that are ``chosen`` (pairs,)."""
+        most = len(self.orders)
+        key = np.where(self.left, -1, self.level[0] * most + self.level[1])
+        if chosen is not None:
+            key[~chosen] = -1
+        for number in np.unique(key[key >= 0]):
+            here = key == number
+            orders = self.orders[number // most], self.orders[number % most]
+            pairs = self.target[here], self.panel[here]
+            add_tensor(kernel, self.panels, orders, targets.position, *pairs, accumulator)
 
 
 def _closest(
-    panels: Panels, patch: int, targets: Targets, close_target: Index, close_panel: Index
+    panels: Panels, patch: int | Index, targets: Targets, close_target: Index, close_panel: Index
 ) -> Array:
     """Closest points (3, pairs): u, v within the panel, distance; exact for a patch's own."""
     result = panels.closest(targets.position, close_target, close_panel)
     grid = np.divmod(close_panel, panels.shape[1])
-    own = targets.owner[close_target] == patch
+    own = targets.owner[close_target] == np.broadcast_to(patch, panels.shape[0])[grid[0]]
     pairs = np.arange(len(own))
     for direction, parameter in enumerate(targets.parameters):
         inside = panels.locate(direction, parameter[close_target])
@@ -205,7 +227,7 @@ def _near(
     quadrature: Rules,
     accumulator: Accumulator,
 ) -> None:
-    left = close.level == len(close.orders)
+    left = close.left
     close_target, close_panel = close.target[left], close.panel[left]
     closest = close.closest[:, left]
     p, q = panels.surface.degrees

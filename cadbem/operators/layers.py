@@ -10,6 +10,7 @@ import numpy as np
 
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.accumulators import MatrixAccumulator, PotentialAccumulator
+from cadbem.operators.groups import groups, in_shares_of
 from cadbem.operators.interactions import Targets, interact
 from cadbem.operators.panels import Panels, split_patch
 from cadbem.operators.parallel import run_tasks
@@ -17,7 +18,7 @@ from cadbem.quadrature import Rules
 from cadbem.space import Space
 from cadbem.spline.basis import Array
 
-TARGET_CHUNKS = 256, 2048  # targets a task, at least and at most
+TARGET_CHUNKS = 512, 2048  # targets a task, at least and at most
 SHARES = 2  # tasks of each patch for each core
 
 Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
@@ -27,18 +28,12 @@ Task = tuple[int, Panels, slice]  # a patch's number, its panels, some targets
 class Layers:
     """Single and double layer, without factors, from a space's functions to T targets.
 
-    ``entries`` (entries, T, F) holds the kernel's distinct numbers; ``apply`` and ``columns``
-    are the face that problems see.
+    ``entries`` (entries, T, F) holds the kernel's distinct numbers: for few targets.
     """
 
     kernel: Kernel
     space: Space
     entries: Array
-
-    @property
-    def tolerance(self) -> float:
-        """Of systems beyond round-off: none."""
-        return 0.0
 
     @property
     def count(self) -> int:
@@ -63,14 +58,53 @@ class Layers:
         return mixed_columns(self.kernel, part, single, double)
 
 
+@dataclass(frozen=True, eq=False)
+class OwnLayers:
+    """Single and double layer, without factors, from a space's functions to its own collocation
+    points, without matrices: ``apply`` and ``columns`` integrate each time.
+
+    ``tolerance`` of systems beyond round-off.
+    """
+
+    kernel: Kernel
+    space: Space
+    quadrature: Rules
+    tolerance: float = 0.0
+
+    @property
+    def count(self) -> int:
+        """Number of targets."""
+        return self.space.count
+
+    def apply(self, single: Array, double: Array) -> Array:
+        """S @ single + D @ double for coefficients (components, F): shape (rows, T).
+
+        Only patches with densities cost anything.
+        """
+        targets = collocation_targets(self.space)
+        return applied(self.kernel, self.space, targets, self.quadrature, single, double)
+
+    def columns(self, patch: int, single: Array, double: Array) -> Array:
+        """Matrix (rows, T, k, n) of the map q -> S (single q) + D (double q) on one patch."""
+        kernel = self.kernel if double.any() else self.kernel.single_alone
+        targets = collocation_targets(self.space)
+        entries = assemble_patch(kernel, self.space, patch, targets, self.quadrature)
+        return mixed_columns(kernel, entries, single, double)
+
+
 def mixed_columns(kernel: Kernel, entries: Array, single: Array, double: Array) -> Array:
     """Matrix (rows, T, k, n) from a kernel's ``entries`` (·, T, n): see ``Layers.columns``."""
     result = np.zeros((kernel.rows, entries.shape[1], single.shape[1], entries.shape[2]))
+    add_mixed(kernel, entries, single, double, result)
+    return result
+
+
+def add_mixed(kernel: Kernel, entries: Array, single: Array, double: Array, result: Array) -> None:
+    """Add the same to ``result``."""
     for layout, mixing in ((kernel.single, single), (kernel.double, double)):
         for i, j, k in product(*map(range, (len(layout), *mixing.shape))):
             if mixing[j, k] != 0.0:
                 result[i, :, k] += mixing[j, k] * entries[layout[i][j]]
-    return result
 
 
 def collocation_targets(space: Space) -> Targets:
@@ -106,22 +140,26 @@ def applied(
     On the boundary, principal values.  Only patches with densities cost anything: (rows, T).
     """
     active = [
-        task for task in tasks(space, targets.count)
-        if any(d[:, space.functions(task[0])].any() for d in (single, double))
-    ]  # fmt: skip
-    results = np.zeros((len(space.parameters), kernel.rows, targets.count))
-    layouts = kernel.single, kernel.double
+        any(d[:, space.functions(i)].any() for d in (single, double))
+        for i in range(len(space.parameters))
+    ]
+    kernel = kernel if double.any() else kernel.single_alone
+    layouts = [x for x in (kernel.single, kernel.double) if x]
+    shared = in_shares_of(space, targets)
+    together = [group for group in groups(space, active) if active[group.patches[0]]]
+    jobs = list(product(range(len(together)), chunks(targets.count)))
+    results = np.zeros((len(together), kernel.rows, targets.count))
 
-    def work(_: int, task: Task) -> None:
-        patch, panels, rows = task
-        shape, part = panels.surface.weights.shape, space.functions(patch)
-        densities = [np.ascontiguousarray(d[:, part]).reshape(-1, *shape) for d in (single, double)]
+    def work(_: int, job: tuple[int, slice]) -> None:
+        group, rows = together[job[0]], job[1]
+        densities = [group.gathered(space, d) for d in (single, double)][: len(layouts)]
         result = np.zeros((kernel.rows, rows.stop - rows.start))
         accumulator = PotentialAccumulator(result, layouts, densities)
-        interact(kernel, panels, patch, targets.part(rows), quadrature, accumulator)
-        results[patch][:, rows] = result
+        here = group.targets(shared.part(rows))
+        interact(kernel, group.panels, group.owner, here, quadrature, accumulator)
+        results[job[0]][:, rows] = result
 
-    run_tasks(work, active, "boundary integrals")
+    run_tasks(work, jobs, "boundary integrals")
     return results.sum(axis=0)
 
 
@@ -146,7 +184,11 @@ def assemble_patch(
 def tasks(space: Space, count: int) -> list[Task]:
     """Each patch with each chunk of ``count`` targets, the most work first."""
     panels = [split_patch(p.surface) for p in space.boundary.patches]
-    chunk = int(np.clip(-(-count // (SHARES * (os.cpu_count() or 1))), *TARGET_CHUNKS))
-    chunks = [slice(k, min(k + chunk, count)) for k in range(0, count, chunk)]
-    jobs = [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks)]
+    jobs = [(i, panels[i], rows) for i, rows in product(range(len(panels)), chunks(count))]
     return sorted(jobs, key=lambda job: -len(job[1].flat_nets) * (job[2].stop - job[2].start))
+
+
+def chunks(count: int) -> list[slice]:
+    """Parts of ``count`` targets that are enough for all cores."""
+    chunk = int(np.clip(-(-count // (SHARES * (os.cpu_count() or 1))), *TARGET_CHUNKS))
+    return [slice(k, min(k + chunk, count)) for k in range(0, count, chunk)]

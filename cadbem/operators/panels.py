@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.compiled import compiled
+from cadbem.operators.turning import panel_breaks, ruled
 from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.quadrature.panels import closest_on_panels, open_squares
@@ -17,7 +18,6 @@ from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
 Index = NDArray[np.int64]
-WIDEST_TURN = np.deg2rad(50.0)  # a rational arc wider than this asks for higher orders
 SAME_PARAMETER = 1e-10  # share of a panel below which parameters count as equal
 
 
@@ -97,10 +97,15 @@ class Panels:
     @cached_property
     def lengths(self) -> Array:
         """The longer side of each panel: (E,)."""
+        return self.sides.max(axis=0)
+
+    @cached_property
+    def sides(self) -> Array:
+        """The longest line of each panel in each direction: (2, E)."""
         grid = self.samples[2].reshape(len(self.flat_nets), *self._sample_counts, -1)
         u = np.linalg.norm(np.diff(grid, axis=1), axis=3).sum(axis=1).max(axis=1)
         v = np.linalg.norm(np.diff(grid, axis=2), axis=3).sum(axis=2).max(axis=1)
-        return np.maximum(u, v)
+        return np.stack([u, v])
 
     def levels(self, position: Array, reaches: Array) -> NDArray[np.int8]:
         """The number of ``reaches`` (J, E) that may exceed the distance of each pair: (T, E).
@@ -144,8 +149,8 @@ class Panels:
 def split_patch(surface: Nurbs) -> Panels:
     """Panels of a patch: its elements, halved until none turns by more than 50 degrees."""
     if len(surface.degrees) == 1:
-        surface = _ruled(surface)
-    breaks = tuple(_panel_breaks(surface, d) for d in range(2))
+        surface = ruled(surface)
+    breaks = tuple(panel_breaks(surface, d) for d in range(2))
     control = surface.homogeneous
     extraction, first = [], []
     for axis, (p, k, b) in enumerate(zip(surface.degrees, surface.knots, breaks, strict=True)):
@@ -161,40 +166,6 @@ def split_patch(surface: Nurbs) -> Panels:
     rows, columns = (range(len(b) - 1) for b in breaks)
     nets = np.array([[control[a * p :, b * q :][: p + 1, : q + 1] for b in columns] for a in rows])
     return Panels(surface, breaks, nets, tuple(extraction), tuple(first))
-
-
-def _ruled(curve: Nurbs) -> Nurbs:
-    """A curve as a patch of degree 0 across."""
-    knots = (*curve.knots, np.array([0.0, 1.0]))
-    return Nurbs((*curve.degrees, 0), knots, curve.points[:, None], curve.weights[:, None])
-
-
-def _panel_breaks(surface: Nurbs, direction: int) -> Array:
-    breaks = surface.breaks(direction)
-    turns = _turns(surface, direction)
-    pieces = np.maximum(1, np.ceil(turns / WIDEST_TURN)).astype(int)
-    inner = [
-        np.linspace(low, high, n + 1)[1:]
-        for low, high, n in zip(breaks[:-1], breaks[1:], pieces, strict=True)
-    ]
-    return np.concatenate([breaks[:1], *inner])
-
-
-def _turns(surface: Nurbs, direction: int) -> Array:
-    """Largest angle by which the tangent turns along each element of a direction."""
-    breaks = surface.breaks(direction)
-    across = np.linspace(*surface.domain[1 - direction], 5)
-    # just inside each element: the tangent may jump at its ends
-    along = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(1e-9, 1 - 1e-9, 9)
-    grid = np.meshgrid(along.ravel(), across, indexing="ij")
-    parameters = grid if direction == 0 else grid[::-1]
-    key = (1, 0) if direction == 0 else (0, 1)
-    tangent = surface.derivatives(1, *parameters)[key].reshape(-1, *along.shape, 5)
-    length = np.linalg.norm(tangent, axis=0)
-    unit = tangent / np.where(length > 1e-12 * length.max(), length, np.inf)
-    cosine = np.clip((unit[:, :, 1:] * unit[:, :, :-1]).sum(axis=0), -1, 1)
-    cosine = np.where((length[:, 1:] > 0) & (length[:, :-1] > 0), cosine, 1.0)
-    return np.arccos(cosine).sum(axis=1).max(axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,11 +193,7 @@ class Nodes:
     def weighted(self, panels: Panels, chosen: Index) -> Array:
         """Weighted functions of n ``chosen`` panels at their nodes: (n, N, functions)."""
         grid = np.divmod(chosen, panels.shape[1])
-        u, v = (f[k] for f, k in zip(self.functions, grid, strict=True))
-        values = u[:, :, None, :, None] * v[:, None, :, None, :]
-        values *= panels.controls[grid][:, None, None]
-        values *= self.weight[grid].reshape(*values.shape[:3], 1, 1)
-        return values.reshape(len(chosen), self.weight.shape[2], -1)
+        return weighted_functions(self.functions, panels, grid, self.weight[grid])
 
     def densities(self, panels: Panels, density: Array) -> Array:
         """Weighted values (components, nodes) of coefficients (components, n_u, n_v)."""
@@ -241,12 +208,53 @@ class Nodes:
 @lru_cache(maxsize=1024)
 def tensor_nodes(panels: Panels, order: int) -> Nodes:
     """Nodes of the tensor Gauss rule of ``order`` on every panel; one node across a curve."""
+    orders = order, order if panels.surface.degrees[1] else 1
+    position, normal, weight = _places(panels, panels.flat_nets, orders)
+    flat = (*panels.shape, orders[0] * orders[1])
+    return Nodes(
+        position.reshape(-1, *flat), normal.reshape(-1, *flat), weight.reshape(flat),
+        _functions(panels, orders),
+    )  # fmt: skip
+
+
+def nodes_of_some(
+    panels: Panels, orders: tuple[int, int], chosen: Index
+) -> tuple[Array, Array, Array]:
+    """Nodes of tensor rules with an order in each direction, on n ``chosen`` panels only.
+
+    Positions and normals (dim, n N), and weighted functions (n, N, functions).
+    """
+    orders = orders[0], orders[1] if panels.surface.degrees[1] else 1
+    position, normal, weight = _places(panels, panels.flat_nets[chosen], orders)
+    grid = np.divmod(chosen, panels.shape[1])
+    functions = _functions(panels, orders)
+    return position, normal, weighted_functions(functions, panels, grid, weight)
+
+
+def weighted_functions(
+    functions: tuple[Array, ...], panels: Panels, grid: tuple[Index, Index], weight: Array
+) -> Array:
+    """Functions of panels at places ``grid`` times weights (n, N): (n, N, functions)."""
+    u, v = (f[k] for f, k in zip(functions, grid, strict=True))
+    values = u[:, :, None, :, None] * v[:, None, :, None, :]
+    values *= panels.controls[grid][:, None, None]
+    values *= weight.reshape(*values.shape[:3], 1, 1)
+    return values.reshape(*weight.shape, -1)
+
+
+def _functions(panels: Panels, orders: tuple[int, int]) -> tuple[Array, ...]:
+    """B-splines (P, m, p + 1) of the panels at Gauss points, in each direction."""
+    pairs = zip(panels.surface.degrees, orders, panels.extraction, strict=True)
+    return tuple(_bernstein_tables(p, m)[0].T @ extraction for p, m, extraction in pairs)
+
+
+def _places(panels: Panels, nets: Array, orders: tuple[int, int]) -> tuple[Array, Array, Array]:
+    """Positions and normals (dim, n N) and weights (n, N) of tensor nodes on ``nets`` (n, ...)."""
     p, q = panels.surface.degrees
-    m_u, m_v = order, order if q else 1
-    (bu, du), (bv, dv) = _bernstein_tables(p, m_u), _bernstein_tables(q, m_v)
-    value = np.einsum("ik,jl,abijc->cabkl", bu, bv, panels.nets, optimize=True)
-    along_u = np.einsum("ik,jl,abijc->cabkl", du, bv, panels.nets, optimize=True)
-    along_v = np.einsum("ik,jl,abijc->cabkl", bu, dv, panels.nets, optimize=True)
+    (bu, du), (bv, dv) = (_bernstein_tables(p, m) for p, m in zip((p, q), orders, strict=True))
+    control = np.ascontiguousarray(np.moveaxis(nets, 3, 0))
+    across, slopes = control @ bv, control @ dv
+    value, along_u, along_v = bu.T @ across, du.T @ across, bu.T @ slopes
     weight = value[-1]
     position = value[:-1] / weight
     tangent_u = (along_u[:-1] - along_u[-1] * position) / weight
@@ -254,17 +262,10 @@ def tensor_nodes(panels: Panels, order: int) -> Nodes:
     normal = area_vector(tangent_u, *([tangent_v] if q else []))
     jacobian = np.linalg.norm(normal, axis=0)
     scale = np.where(jacobian > 0, jacobian, 1.0)
-    factor = np.outer(gauss_unit(m_u)[1], gauss_unit(m_v)[1]) * jacobian / weight
-    functions = tuple(
-        np.einsum("ik,aij->akj", b, e) for b, e in zip((bu, bv), panels.extraction, strict=True)
-    )
-    flat = (*panels.shape, m_u * m_v)
-    return Nodes(
-        position.reshape(-1, *flat),
-        (normal / scale).reshape(-1, *flat),
-        factor.reshape(flat),
-        functions,
-    )
+    factor = np.outer(gauss_unit(orders[0])[1], gauss_unit(orders[1])[1]) * jacobian / weight
+    dim, count = len(position), len(nets)
+    normal /= scale
+    return position.reshape(dim, -1), normal.reshape(dim, -1), factor.reshape(count, -1)
 
 
 @lru_cache(maxsize=256)

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.linalg import lu_factor, lu_solve
 
-from cadbem.operators.layers import Layers
+from cadbem.operators.assembly import add_layers
+from cadbem.operators.layers import OwnLayers
 from cadbem.progress import stage
 from cadbem.spline.basis import Array
 
@@ -69,7 +70,7 @@ class Border:
 
 
 def factorise(
-    layers: Layers,
+    layers: OwnLayers,
     free_term: float,
     single: Sequence[Array],
     double: Sequence[Array],
@@ -80,21 +81,19 @@ def factorise(
     ``single`` = F and ``double`` = U hold one (components, k) matrix a patch.  A ``border``
     removes null spaces.
     """
-    space, rows = layers.space, layers.kernel.rows
-    count, unknowns = layers.count, single[0].shape[1]
+    rows, count, unknowns = layers.kernel.rows, layers.count, single[0].shape[1]
     extra = 0 if border is None else len(border.rows)
-    equations, columns = rows * count, unknowns * space.count
+    equations, columns = rows * count, unknowns * count
     square = np.zeros((equations + extra, columns + extra))
     if border is not None:
         square[equations:, :columns] = border.rows.reshape(extra, columns)
         square[:equations, columns:] = border.fields.reshape(extra, equations).T
-    matrix = square[:equations, :columns].reshape(rows, count, unknowns, space.count, copy=False)
-    for patch, (f, u) in enumerate(zip(single, double, strict=True)):
-        part = space.functions(patch)
-        block = layers.columns(patch, f, u)
-        own = space.collocation_matrix(patch).toarray()
-        block[:, part] -= free_term * u[:, None, :, None] * own[None, :, None, :]
-        matrix[:, :, :, part] = block
+    matrix = square[:equations, :columns].reshape(rows, count, unknowns, count, copy=False)
+    with stage(f"assembling {count} points"):
+        add_layers(layers, single, double, matrix)
+    for patch, u in enumerate(double):
+        part, own = layers.space.functions(patch), layers.space.collocation_matrix(patch)
+        matrix[:, part, :, part] -= free_term * u[:, None, :, None] * own.toarray()[:, None]
     with stage(f"factorising {len(square)} unknowns"):
         factors = lu_factor(square.T, overwrite_a=True, check_finite=False)
-    return DenseFactors(factors, (unknowns, space.count))
+    return DenseFactors(factors, (unknowns, count))

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from cadbem.kernels.kernel import Index, Kernel
 from cadbem.operators.accumulators import Accumulator
-from cadbem.operators.panels import Panels, tensor_nodes
+from cadbem.operators.panels import Panels, nodes_of_some, tensor_nodes
 from cadbem.spline.basis import Array
 
 TABLE = 8192  # nodes a table, to stay in cache
@@ -27,30 +27,36 @@ def by_blocks(chosen: NDArray[np.bool_]) -> tuple[Index, Index]:
 def add_tensor(
     kernel: Kernel,
     panels: Panels,
-    order: int,
+    order: int | tuple[int, int],
     position: Array,
     target: Index,
     panel: Index,
     accumulator: Accumulator,
 ) -> None:
-    """Add what panels do to targets at ``position`` (dim, T) by the tensor rule of ``order``.
+    """Add what panels do to targets at ``position`` (dim, T) by the tensor rule of ``order``, or of
+    two orders, one in each direction.
 
     Pairs (target, panel), those of one panel one after the other.
     """
     if not len(panel):
         return
-    nodes = tensor_nodes(panels, order)
-    width, shape = nodes.weight.shape[2], [f.shape[2] for f in nodes.functions]
     present = np.bincount(panel) > 0
-    functions, places = nodes.weighted(panels, np.flatnonzero(present)), np.cumsum(present) - 1
+    chosen, places = np.flatnonzero(present), np.cumsum(present) - 1
+    if isinstance(order, tuple):
+        *nodes, functions = nodes_of_some(panels, order, chosen)
+        number = places
+    else:
+        all_nodes, number = tensor_nodes(panels, order), np.arange(len(present))
+        nodes, functions = list(all_nodes.flat), all_nodes.weighted(panels, chosen)
+    width, shape = functions.shape[1], [degree + 1 for degree in panels.surface.degrees]
     count = max(TABLE // width, 1)
     table = np.zeros((kernel.entries, count * width))  # the last columns may stay unused
     room = np.empty((count, kernel.entries, *shape))
     columns = width * np.arange(count)
     for low in range(0, len(panel), count):
         rows, here = target[low : low + count], panel[low : low + count]
-        at, starts = np.take(position, rows, axis=1), width * here
-        kernel.fill(at, starts, starts + width, columns, *nodes.flat, table)
+        at, starts = np.take(position, rows, axis=1), width * number[here]
+        kernel.fill(at, starts, starts + width, columns, *nodes, table)
         part = table[:, : width * len(rows)].reshape(len(table), -1, width)
         values = room[: len(rows)]
         _products(part, functions, places[here], values.reshape(*values.shape[:2], -1))

@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
-from cadbem.operators.compressed.layers import CompressedLayers, own_layers
+from cadbem.operators.compressed.layers import own_layers
 from cadbem.operators.compressed.storage import Storage
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import Layers, assemble_layers
+from cadbem.operators.layers import Layers, OwnLayers, assemble_layers
 from cadbem.problems.bodies import Surface, closed_surfaces, point_inside
 from cadbem.problems.conditions import (
     Background,
@@ -126,7 +126,7 @@ class StokesEquations:
         }
 
     @cached_property
-    def layers(self) -> Layers | CompressedLayers:
+    def layers(self) -> OwnLayers:
         """Both layers at the collocation points."""
         kernel, _ = stokes_kernels(self.boundary.dimension)
         return own_layers(kernel, self.space, self.quadrature, self.storage)

@@ -11,9 +11,9 @@ import numpy as np
 from cadbem.boundary import Boundary
 from cadbem.errors import ConditionError
 from cadbem.kernels.kernel import Kernel
-from cadbem.operators.compressed.layers import CompressedLayers, own_layers
+from cadbem.operators.compressed.layers import own_layers
 from cadbem.operators.compressed.storage import Storage
-from cadbem.operators.layers import Layers
+from cadbem.operators.layers import OwnLayers
 from cadbem.problems.heat_conditions import (
     HeatCondition,
     HeatFlux,
@@ -74,6 +74,6 @@ class HeatEquations:
         return source_kernels(self.source, self.space, self.size, self.quadrature.tolerance)
 
     @cached_property
-    def layers(self) -> Layers | CompressedLayers:
+    def layers(self) -> OwnLayers:
         """Both layers at the collocation points."""
         return own_layers(self.kernel, self.space, self.quadrature, self.storage)

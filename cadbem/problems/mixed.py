@@ -19,7 +19,7 @@ from cadbem.kernels.kernel import Kernel
 from cadbem.operators.compressed.iterate import Iteration
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.interactions import Targets
-from cadbem.operators.layers import Layers
+from cadbem.operators.layers import OwnLayers
 from cadbem.operators.locate import locate
 from cadbem.operators.potentials import Potentials
 from cadbem.operators.solve import Border, DenseFactors, Solved, factorise
@@ -49,7 +49,7 @@ class MixedSystem:
     ``border`` fixes what the equations leave open.
     """
 
-    layers: Layers | CompressedLayers
+    layers: OwnLayers
     flux_factor: float
     splits: Sequence[Split]
     border: Border | None = None

@@ -10,6 +10,9 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
+STEEP = 12  # order from which tensor rules need room for higher powers of 1/r
+HIGHER = 0, 3, 7, 13, 22, 36  # orders of the tensor rules beyond the one for far panels
+
 
 @dataclass(frozen=True)
 class Quadrature:
@@ -29,7 +32,7 @@ class Quadrature:
     def orders(self, degree: int) -> tuple[int, ...]:
         """Gauss orders of the tensor rules, for far panels first; they grow with the degree."""
         far = ceil(degree / 2 + 1 - 0.6 * log10(self.tolerance))
-        return far, far + 3, far + 7
+        return tuple(far + more for more in HIGHER)
 
     def far_orders(self, degree: int) -> tuple[int, ...]:
         """Orders up to the first of these, the lowest for panels farthest away."""
@@ -39,9 +42,10 @@ class Quadrature:
         """Distance over panel length from which a tensor rule of this order is good enough.
 
         The nearest singularity of 1/r lies at ±i 2d/L over the interval [-1, 1], so the error
-        falls like exp(-2 m asinh(2d/L)); densities of a degree use up half of it in order.
+        falls like exp(-2 m asinh(2d/L)); densities of a degree use up half of it in order.  High
+        orders come so near that powers of 1/r grow the error with the square of the order.
         """
-        digits = -log(self.tolerance) + 5.0
+        digits = -log(self.tolerance) + 5.0 + 2.0 * log(max(order, STEEP) / STEEP)
         return 0.5 * sinh(digits / (2.0 * (order - degree / 2)))
 
     @property

@@ -10,7 +10,7 @@ tolerance: a range of length 2a needs ln(1/tolerance) / (2 asinh(π / 2a)) nodes
 
 from __future__ import annotations
 
-from math import asinh, ceil, cosh, log, pi, sinh, sqrt
+from math import asinh, ceil, cosh, exp, log, pi, sinh, sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -192,8 +192,10 @@ def _ray(ray, order, root, u, v, distance, gauss, nodes, count):
         weight = weight_t * top * gauss[1, order, j]
         rho = s
         if distance > 0.0:
-            rho = distance * sinh(s)
-            weight *= distance * cosh(s)
+            # sinh and cosh; a small radius loses digits, but none of the distance to the target
+            grown = exp(s)
+            rho = 0.5 * distance * (grown - 1.0 / grown)
+            weight *= 0.5 * distance * (grown + 1.0 / grown)
         step_v = rho * dir_y / c
         nodes[0, count] = u + (rho * dir_x - b * step_v) / a
         nodes[1, count] = v + step_v

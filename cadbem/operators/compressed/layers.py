@@ -13,16 +13,8 @@ from cadbem.operators.compressed.compress import compress
 from cadbem.operators.compressed.cross import MixedKernel
 from cadbem.operators.compressed.iterate import Iteration
 from cadbem.operators.compressed.storage import Compressed, Storage, storage_for
-from cadbem.operators.layers import (
-    Layers,
-    applied,
-    assemble_layers,
-    assemble_patch,
-    collocation_targets,
-    mixed_columns,
-)
+from cadbem.operators.layers import OwnLayers, collocation_targets
 from cadbem.operators.solve import Border
-from cadbem.progress import stage
 from cadbem.quadrature import Rules
 from cadbem.space import Space
 
@@ -30,33 +22,8 @@ SURFACE_ORDER = 4  # Gauss points a direction, for the size of patches
 
 
 @dataclass(frozen=True, eq=False)
-class CompressedLayers:
-    """The face of ``Layers`` for systems that are compressed with a ``tolerance``."""
-
-    kernel: Kernel
-    space: Space
-    quadrature: Rules
-    tolerance: float
-
-    @property
-    def count(self) -> int:
-        """Number of targets."""
-        return self.space.count
-
-    def apply(self, single: Array, double: Array) -> Array:
-        """S @ single + D @ double for coefficients (components, F): shape (rows, T).
-
-        Only patches with densities cost anything.
-        """
-        targets = collocation_targets(self.space)
-        return applied(self.kernel, self.space, targets, self.quadrature, single, double)
-
-    def columns(self, patch: int, single: Array, double: Array) -> Array:
-        """Matrix (rows, T, k, n) of the map q -> S (single q) + D (double q) on one patch."""
-        entries = assemble_patch(
-            self.kernel, self.space, patch, collocation_targets(self.space), self.quadrature
-        )
-        return mixed_columns(self.kernel, entries, single, double)
+class CompressedLayers(OwnLayers):
+    """Layers whose systems are compressed with a ``tolerance``."""
 
     def system(
         self,
@@ -99,7 +66,7 @@ class CompressedLayers:
 
 def own_layers(
     kernel: Kernel, space: Space, quadrature: Rules, storage: Storage | None
-) -> Layers | CompressedLayers:
+) -> OwnLayers:
     """Both layers of a space at its own collocation points; without a ``storage``, in the one that
     suits their number.  Raises ``ValueError`` for any other storage."""
     storage = storage_for(space.count) if storage is None else storage
@@ -107,5 +74,4 @@ def own_layers(
         raise ValueError(f"storage is {storage!r}; give Dense() or Compressed(tolerance)")
     if isinstance(storage, Compressed):
         return CompressedLayers(kernel, space, quadrature, storage.tolerance)
-    with stage(f"assembling {space.count} points"):
-        return assemble_layers(kernel, space, collocation_targets(space), quadrature)
+    return OwnLayers(kernel, space, quadrature)

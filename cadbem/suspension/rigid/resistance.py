@@ -23,7 +23,7 @@ from cadbem.boundary import Boundary
 from cadbem.errors import ShapeError
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
-from cadbem.operators.layers import assemble_layers, collocation_targets
+from cadbem.operators.layers import OwnLayers
 from cadbem.operators.nearest import NearestSearch
 from cadbem.operators.solve import Border, DenseFactors, factorise
 from cadbem.points import SurfacePoints
@@ -115,9 +115,7 @@ class Resistance:
     @cached_property
     def factors(self) -> DenseFactors:
         """Factors of the matrix for f / μ, bordered by rigid motions and n."""
-        layers = assemble_layers(
-            self.kernel, self.space, collocation_targets(self.space), self.quadrature
-        )
+        layers = OwnLayers(self.kernel, self.space, self.quadrature)
         one = np.eye(self.dimension)
         count = len(self.boundary.patches)
         single = [one / (2 * self.kernel.free_term)] * count
