@@ -83,7 +83,7 @@ class Space:
         """
         result = np.empty(self.count)
         for i, patch in enumerate(self.boundary.patches):
-            order = max(patch.surface.degrees) + 8
+            order = max(patch.surface.degrees) + 4
             basis = rational_basis(patch.surface, _element_parameters(patch.surface, order))
             _, weights = patch.quadrature(order)
             factors = splu(self.collocation_matrix(i).tocsc())

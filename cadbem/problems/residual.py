@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from math import ceil
 
 import numpy as np
+from scipy.sparse import csr_array
 
 from cadbem.kernels.kernel import Index
 from cadbem.operators.interactions import Targets
@@ -15,7 +17,7 @@ from cadbem.points import SurfacePoints, join, surface_points
 from cadbem.problems.mixed import MixedSystem
 from cadbem.quadrature import Rules
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
-from cadbem.space import Field, Space
+from cadbem.space import Space, rational_basis
 from cadbem.spline.basis import Array
 
 
@@ -62,12 +64,19 @@ class CheckPoints:
 
     def values(self, coefficients: Array) -> Array:
         """Values (components, N) of a field's coefficients (components, F)."""
-        field = Field(self.space, coefficients)
         parts = [
-            field.on_patch(i, *self.parameters[:, self.patch == i])
-            for i in range(len(self.space.boundary.patches))
+            basis @ coefficients[:, self.space.functions(i)].T
+            for i, basis in enumerate(self._bases)
         ]
-        return np.concatenate(parts, axis=1)
+        return np.concatenate(parts).T
+
+    @cached_property
+    def _bases(self) -> list[csr_array]:
+        """Values of each patch's functions at its points: sparse (n, functions)."""
+        return [
+            rational_basis(patch.surface, self.parameters[:, self.patch == i])
+            for i, patch in enumerate(self.space.boundary.patches)
+        ]
 
     def by_patch(self, values: Array) -> Array:
         """Integrals (P,) over each patch of values (N,)."""

@@ -56,11 +56,12 @@ def analyse(
     missed = residual(equations.system, checks, thin, f, source, coarser(equations.quadrature))
     if goal is None:
         functionals = [
-            *_openings(equations, velocity, traction), *_forces(equations, velocity, traction)
-        ]  # fmt: skip
+            *_openings(equations, checks, velocity, traction),
+            *_forces(equations, checks, velocity, traction),
+        ]
         norms = [_slip(equations, checks, missed / twice, velocity, background)]
     elif isinstance(goal, str) and goal == OPENINGS:
-        functionals, norms = _openings(equations, velocity, traction), []
+        functionals, norms = _openings(equations, checks, velocity, traction), []
     elif isinstance(goal, str):
         functionals, norms = [_largest_shear(equations, traction, goal)], []
     else:
@@ -74,7 +75,7 @@ def analyse(
 
 
 def _openings(
-    equations: StokesEquations, velocity: Field, traction: Field
+    equations: StokesEquations, checks: CheckPoints, velocity: Field, traction: Field
 ) -> list[Functional]:
     """Flow rates and mean pressures that are not given."""
     space, found = equations.space, []
@@ -91,7 +92,7 @@ def _openings(
         return []
     area = sum(p.area for p in equations.openings.values())
     flow = sum(abs(value) for value, _ in rates.values()) / 2
-    flow = max(flow, LEAST_FLOW * _speed(CheckPoints.of(space), velocity.coefficients) * area)
+    flow = max(flow, LEAST_FLOW * _speed(checks, velocity.coefficients) * area)
     values = [value for value, _ in pressures.values()]
     drop = max(max(values) - min(values), max(map(abs, values)))
     free = [n for n in rates if not isinstance(equations.conditions[n], Inflow)]
@@ -106,7 +107,7 @@ def _openings(
 
 
 def _forces(
-    equations: StokesEquations, velocity: Field, traction: Field
+    equations: StokesEquations, checks: CheckPoints, velocity: Field, traction: Field
 ) -> list[Functional]:
     """Components of the forces on bodies, all compared with the largest of them, or with viscosity
     times speed times size where that is larger."""
@@ -129,7 +130,7 @@ def _forces(
             found.append((name, FORCES[axis], value, weights))
     if not found:
         return []
-    checks, dimension = CheckPoints.of(space), space.boundary.dimension
+    dimension = space.boundary.dimension
     area = max(
         sum(float(space.boundary.patches[i].quadrature(8)[1].sum()) for i in body)
         for body in bodies
