@@ -21,19 +21,19 @@ from benchmarks.table import Table, show
 NEEDS = "ngsolve"
 ACCURACIES = (1e-2, 1e-3, 1e-4)
 SIZES = {  # of elements by the order of velocities, over the width of the channel
-    2: (0.5, 0.35, 0.25, 0.18, 0.13),
+    2: (0.5, 0.35, 0.25, 0.18),
     3: (0.7, 0.5, 0.35, 0.25, 0.18),
     4: (1.0, 0.7, 0.5, 0.35),
-    5: (1.0, 0.7, 0.5, 0.35),
+    5: (1.0, 0.7, 0.5),
 }
-AT_EDGES: tuple[dict, ...] = ({"levels": 1}, {"levels": 2}, {"levels": 3}, {"near": 0.1})
+AT_EDGES: tuple[dict, ...] = ({"levels": 1}, {"levels": 2}, {"near": 0.1})
 ELSEWHERE: tuple[dict, ...] = ({}, {"care": True})  # refinement where no edge is re-entrant
 TOO_LONG = 15.0  # CPU seconds of a run of finite elements, after which none is finer
 BRIEF, ROUNDS = 5.0, 3  # shorter runs are measured several times, and the shortest time taken
 TEXT = """Mean pressures at the inlets, where developed flow enters with the mean velocity 1; the
 outlet has no tangential velocity and the pressure 0.  An error is the largest of all inlets over
-the largest pressure.  The true pressures are those of overrefined runs of both codes, which agree
-to the share given with them.
+the largest pressure.  The true pressures are those of overrefined runs; beside the name stands
+the share to which both codes agree on them: errors that are no larger say nothing more.
 
 cadbem is asked for an accuracy and chooses its elements itself: its time is that of all rounds,
 from the boundary that was read to the answer, and it does not know the true values.  Of NGSolve
@@ -41,7 +41,9 @@ from the boundary that was read to the answer, and it does not know the true val
 elimination inside elements) the table shows the cheapest of all runs whose error turned out
 below the accuracy: meshing, assembly and solution, but neither the search for that run nor an
 estimate of its error.  A ratio above 1 says that cadbem takes less time; one in brackets
-that it missed the accuracy, and "warned" that it said so."""
+that it missed the accuracy, and "warned" that it said so.  Errors of finite elements change sign,
+so that some of these cheapest runs are lucky.  Their mean pressures are weighted by the profile
+(the power over the flow), which is the plain mean where flow is developed and far more accurate."""
 HEAD = ("Case", "asked", "cadbem error", "CPU s", "points", "NGSolve error", "CPU s", "order",
         "unknowns", "NGSolve / cadbem")  # fmt: skip
 

@@ -90,19 +90,19 @@ def t_junction() -> Path:
 ROOT = 2**0.5
 CHANNELS = {
     "T-junction": Channel(
-        t_junction, 0, (333.92, 343.606), 1.5e-5,
+        t_junction, 0, (333.92, 343.606), 5e-5,
         openings={"inlet_a": (0, -4.0), "inlet_b": (1, -4.5), "outlet": (0, 4.0)},
         edges=((-0.5, -0.5, 0.0), (0.5, -0.5, 0.0)),
     ),
     "Y-junction": Channel(
-        _drawn("y_junction"), 0, (44.960, 44.960), 5e-5, width=4.0,
+        _drawn("y_junction"), 0, (44.959, 44.959), 3e-5, width=4.0,
         edges=(
             (3 * ROOT, 5 * ROOT, 2.0),
             (7 * ROOT - 2, 5 * ROOT - 2, 2.0),
             (7 * ROOT - 2, 5 * ROOT + 2, 2.0),
         ),
     ),
-    "serpentine": Channel(_drawn("serpentine"), 0, (720.78,), 1e-4),
+    "serpentine": Channel(_drawn("serpentine"), 0, (720.935,), 1e-4),
     "bent pipe": Channel(_drawn("bent_pipe"), 1, (69.6010,), 1e-5, width=2.0),
-    "constriction": Channel(_drawn("constriction"), 0, (355.210,), 1e-4, width=0.8),
+    "constriction": Channel(_drawn("constriction"), 0, (355.210,), 9e-5, width=0.8),
 }  # fmt: skip
