@@ -5,7 +5,7 @@
     python -m benchmarks --list
 
 Every module with a function `tables` is a benchmark.  Each runs in a process of its own, with one
-thread for linear algebra.
+thread for linear algebra.  One that needs a package which is not installed runs only if named.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import sys
 import tempfile
 from datetime import date
 from importlib.metadata import version
+from importlib.util import find_spec
 from pathlib import Path
 
 FOLDER = Path(__file__).resolve().parent
@@ -37,6 +38,16 @@ def names() -> list[str]:
     """All benchmarks."""
     files = sorted(FOLDER.glob("*.py"))
     return [file.stem for file in files if "\ndef tables(" in file.read_text()]
+
+
+def runnable() -> list[str]:
+    """All benchmarks whose packages are installed; NEEDS in a module names one."""
+    found = []
+    for name in names():
+        needs = re.search(r'^NEEDS = "(\w+)"', (FOLDER / f"{name}.py").read_text(), re.MULTILINE)
+        if needs is None or find_spec(needs[1]):
+            found.append(name)
+    return found
 
 
 def machine() -> str:
@@ -92,7 +103,7 @@ def main() -> None:
         return
     if unknown := set(options.names) - set(names()):
         parser.error(f"there is no benchmark {', '.join(sorted(unknown))}; see --list")
-    for name in options.names or names():
+    for name in options.names or runnable():
         print(f"## {name}\n", flush=True)
         keep(PAGE, name, measured(name))
 
