@@ -156,11 +156,12 @@ class Analysis:
 @dataclass(frozen=True, eq=False)
 class Norm:
     """An error that is a norm: its ``quantity``, the ``scale``, and the ``squares`` (P,) that
-    patches add to the square of it."""
+    patches add to the square of it, or of which the ``largest`` is the square of it."""
 
     quantity: str
     scale: float
     squares: Array
+    largest: bool = False
 
 
 def analysed(
@@ -175,7 +176,7 @@ def analysed(
     spots = [(checks.values(z) * residual).sum(axis=0) for z in adjoint]
     found = [_estimate(f, checks, s) for f, s in zip(functionals, spots, strict=True)]
     for norm in norms:
-        error = float(np.sqrt(norm.squares.sum()))
+        error = float(np.sqrt(norm.squares.max() if norm.largest else norm.squares.sum()))
         estimate = Estimate(norm.quantity, "", norm.scale, error, norm.scale)
         found.append((estimate, norm.squares / max(error * norm.scale, 1e-300)))
     return Analysis(

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,9 +11,9 @@ from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import assemble_layers
-from cadbem.points import surface_points
 from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
+from cadbem.problems.continuity import shear, shear_jumps
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, Norm, adjoints, analysed, coarser
 from cadbem.problems.functionals import FLOW_RATE, FORCES, MEAN_PRESSURE, Functional
@@ -63,7 +61,9 @@ def analyse(
     elif isinstance(goal, str) and goal == OPENINGS:
         functionals, norms = _openings(equations, checks, velocity, traction), []
     elif isinstance(goal, str):
-        functionals, norms = [_largest_shear(equations, traction, goal)], []
+        functionals = [_largest_shear(equations, traction, goal)]
+        jumps = shear_jumps(equations, traction) ** 2
+        norms = [Norm("jump of the wall shear", functionals[0].scale, jumps, largest=True)]
     else:
         points = np.asarray(goal, dtype=float)
         functionals, norms = _velocities(equations, velocity, traction, background, points), []
@@ -201,13 +201,13 @@ def _largest_shear(equations: StokesEquations, traction: Field, goal: str) -> Fu
     space, best = equations.space, (0.0, -1, np.empty(0), np.empty(0))
     for i, kind in enumerate(equations.kinds):
         if isinstance(kind, NoSlip):
-            parameters = space.parameters[i]
-            shear = _shear(traction, i, parameters)
-            size = np.linalg.norm(shear, axis=0)
+            parameters = list(space.parameters[i])
+            along = shear(traction, i, parameters)
+            size = np.linalg.norm(along, axis=0)
             k = int(size.argmax())
             if size[k] > best[0]:
                 place = np.array([p[k] for p in parameters])
-                best = float(size[k]), i, place, shear[:, k] / size[k]
+                best = float(size[k]), i, place, along[:, k] / size[k]
     top, patch, place, direction = best
     if patch < 0:
         raise ConditionError("there is no wall at rest whose shear could be judged")
@@ -215,14 +215,6 @@ def _largest_shear(equations: StokesEquations, traction: Field, goal: str) -> Fu
     basis = rational_basis(space.boundary.patches[patch].surface, place[:, None]).toarray()[0]
     weights[:, space.functions(patch)] = direction[:, None] * basis
     return Functional("largest wall shear", "", top, top, 0 * weights, weights, POINTWISE)
-
-
-def _shear(traction: Field, patch: int, parameters: Iterable[Array]) -> Array:
-    """Tangential traction (dim, N) at parameters of a patch."""
-    parameters = list(parameters)
-    values = traction.on_patch(patch, *parameters)
-    normal = surface_points(traction.space.boundary.patches[patch].surface, *parameters).normal
-    return values - (values * normal).sum(axis=0) * normal
 
 
 def _velocities(
