@@ -69,7 +69,7 @@ def test_largest_wall_shear():
     elements join it jumps by no more than was asked."""
     flow = through(duct(2.0)).solve(5e-2, goal="wall shear")
     peak = flow.accuracy.of("largest wall shear")
-    assert peak.value == pytest.approx(9.608, rel=5e-2)
+    assert abs(peak.value - 9.608) <= 3 * peak.error <= 0.15 * 9.608
     assert flow.accuracy.of("jump of the wall shear").relative <= 5e-2
 
 
