@@ -92,11 +92,11 @@ def block(side: int) -> cb.StokesProblem:
 
 
 def assembly(side: int) -> dict[str, float]:
-    """Both layers of a box, and what they hold: points, MB of the tables, MB at most, seconds."""
+    """The system of a box, and what it holds: points, MB of its factors, MB at most, seconds."""
     block(2).solve()  # loads the machine code
     problem = block(side)
     points, before, start = problem.space.count, peak(), time.process_time()
-    tables = problem.layers.entries.nbytes / MEGABYTE
+    tables = problem.system.factors.factors[0].nbytes / MEGABYTE
     seconds, assembled = time.process_time() - start, peak() - before
     problem.solve()
     return {
@@ -136,10 +136,10 @@ def tables() -> list[Table]:
         memory = (f"{found[key]:.0f}" for key in ("tables", "assembled", "solved"))
         rows.append((f"{found['points']:.0f}", f"{found['seconds']:.2f}", *memory))
     text = """
-A box with degree 2: CPU seconds of assembling both layers, the memory that their tables take, the
-most memory held on top of what was held before, while assembling and until solved.
+A box with degree 2: CPU seconds of assembling and factorising, the memory that the factors take,
+the most memory held on top of what was held before, while assembling and until solved.
 """
-    head = ("points", "CPU s", "tables (MB)", "assembling (MB)", "solving (MB)")
+    head = ("points", "CPU s", "factors (MB)", "assembling (MB)", "solving (MB)")
     return [runs, Table("Memory of dense matrices", text, head, rows)]
 
 

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.compiled import compiled
+from cadbem.operators.turning import panel_breaks, ruled
 from cadbem.points import area_vector
 from cadbem.quadrature.gauss import gauss_unit
 from cadbem.quadrature.panels import closest_on_panels, open_squares
@@ -17,7 +18,6 @@ from cadbem.spline.basis import Array, bernstein, refinement_matrix
 from cadbem.spline.nurbs import Nurbs
 
 Index = NDArray[np.int64]
-WIDEST_TURN = np.deg2rad(50.0)  # a rational arc wider than this asks for higher orders
 SAME_PARAMETER = 1e-10  # share of a panel below which parameters count as equal
 
 
@@ -149,8 +149,8 @@ class Panels:
 def split_patch(surface: Nurbs) -> Panels:
     """Panels of a patch: its elements, halved until none turns by more than 50 degrees."""
     if len(surface.degrees) == 1:
-        surface = _ruled(surface)
-    breaks = tuple(_panel_breaks(surface, d) for d in range(2))
+        surface = ruled(surface)
+    breaks = tuple(panel_breaks(surface, d) for d in range(2))
     control = surface.homogeneous
     extraction, first = [], []
     for axis, (p, k, b) in enumerate(zip(surface.degrees, surface.knots, breaks, strict=True)):
@@ -166,40 +166,6 @@ def split_patch(surface: Nurbs) -> Panels:
     rows, columns = (range(len(b) - 1) for b in breaks)
     nets = np.array([[control[a * p :, b * q :][: p + 1, : q + 1] for b in columns] for a in rows])
     return Panels(surface, breaks, nets, tuple(extraction), tuple(first))
-
-
-def _ruled(curve: Nurbs) -> Nurbs:
-    """A curve as a patch of degree 0 across."""
-    knots = (*curve.knots, np.array([0.0, 1.0]))
-    return Nurbs((*curve.degrees, 0), knots, curve.points[:, None], curve.weights[:, None])
-
-
-def _panel_breaks(surface: Nurbs, direction: int) -> Array:
-    breaks = surface.breaks(direction)
-    turns = _turns(surface, direction)
-    pieces = np.maximum(1, np.ceil(turns / WIDEST_TURN)).astype(int)
-    inner = [
-        np.linspace(low, high, n + 1)[1:]
-        for low, high, n in zip(breaks[:-1], breaks[1:], pieces, strict=True)
-    ]
-    return np.concatenate([breaks[:1], *inner])
-
-
-def _turns(surface: Nurbs, direction: int) -> Array:
-    """Largest angle by which the tangent turns along each element of a direction."""
-    breaks = surface.breaks(direction)
-    across = np.linspace(*surface.domain[1 - direction], 5)
-    # just inside each element: the tangent may jump at its ends
-    along = breaks[:-1, None] + np.diff(breaks)[:, None] * np.linspace(1e-9, 1 - 1e-9, 9)
-    grid = np.meshgrid(along.ravel(), across, indexing="ij")
-    parameters = grid if direction == 0 else grid[::-1]
-    key = (1, 0) if direction == 0 else (0, 1)
-    tangent = surface.derivatives(1, *parameters)[key].reshape(-1, *along.shape, 5)
-    length = np.linalg.norm(tangent, axis=0)
-    unit = tangent / np.where(length > 1e-12 * length.max(), length, np.inf)
-    cosine = np.clip((unit[:, :, 1:] * unit[:, :, :-1]).sum(axis=0), -1, 1)
-    cosine = np.where((length[:, 1:] > 0) & (length[:, :-1] > 0), cosine, 1.0)
-    return np.arccos(cosine).sum(axis=1).max(axis=1)
 
 
 @dataclass(frozen=True, eq=False)

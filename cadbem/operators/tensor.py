@@ -44,20 +44,18 @@ def add_tensor(
     chosen, places = np.flatnonzero(present), np.cumsum(present) - 1
     if isinstance(order, tuple):
         *nodes, functions = nodes_of_some(panels, order, chosen)
-        panel_starts = places
+        number = places
     else:
-        table_of_all = tensor_nodes(panels, order)
-        nodes, functions = list(table_of_all.flat), table_of_all.weighted(panels, chosen)
-        panel_starts = np.arange(len(present))
-    width = functions.shape[1]
-    shape = [degree + 1 for degree in panels.surface.degrees]
+        all_nodes, number = tensor_nodes(panels, order), np.arange(len(present))
+        nodes, functions = list(all_nodes.flat), all_nodes.weighted(panels, chosen)
+    width, shape = functions.shape[1], [degree + 1 for degree in panels.surface.degrees]
     count = max(TABLE // width, 1)
     table = np.zeros((kernel.entries, count * width))  # the last columns may stay unused
     room = np.empty((count, kernel.entries, *shape))
     columns = width * np.arange(count)
     for low in range(0, len(panel), count):
         rows, here = target[low : low + count], panel[low : low + count]
-        at, starts = np.take(position, rows, axis=1), width * panel_starts[here]
+        at, starts = np.take(position, rows, axis=1), width * number[here]
         kernel.fill(at, starts, starts + width, columns, *nodes, table)
         part = table[:, : width * len(rows)].reshape(len(table), -1, width)
         values = room[: len(rows)]
