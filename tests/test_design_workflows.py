@@ -22,7 +22,7 @@ import wall_shear_peak  # noqa: E402
 def test_chip_resistance(tmp_path, capsys):
     """Side channels are mirror images; a tube takes 128 μ L Q / (π d⁴): 128 × 1 mPa s × 10 cm
     × 30 µL/min / (π (1 mm)⁴) = 2.0372 Pa."""
-    options = ["--element-size", "1", "--mesh-size", "1", "--bore", "1 mm"]
+    options = ["--accuracy", "0.02", "--mesh-size", "1", "--bore", "1 mm"]
     network, point = cb.run(
         chip_resistance.main, ["-o", str(tmp_path), *options, "--tube-length", "10 cm"]
     )
@@ -37,7 +37,7 @@ def test_chip_resistance(tmp_path, capsys):
 def test_flow_split(tmp_path):
     """Halves without a tube; with one, both arms' tubes end at pressure 0, so that the share of
     the arm with a tube falls."""
-    options = ["--element-size", "0.7", "--steps", "3"]
+    options = ["--accuracy", "0.02", "--steps", "3"]
     points = cb.run(flow_split.main, ["-o", str(tmp_path), *options])
     shares = [point.fractions["right"] for point in points]
     assert shares[0] == pytest.approx(0.5, abs=1e-6)
@@ -49,8 +49,7 @@ def test_wall_shear_peak(tmp_path):
     """In the throat's side walls, about as in a straight duct 0.8 mm wide and 1 mm high: in
     mid-wall G b [1/2 - (4/π²) Σ 1 / (n² cosh(nπ h / 2b))], b = 0.8 and h = 1, by the series of
     ``rectangle_profile``, from whose mean G follows."""
-    options = ["--element-size", "0.5", "--grids", "1"]
-    (found,) = cb.run(wall_shear_peak.main, ["-o", str(tmp_path), *options])
+    found = cb.run(wall_shear_peak.main, ["-o", str(tmp_path), "--accuracy", "0.02"])
     b, h, n = 0.8, 1.0, np.arange(1, 60, 2)
     mean = (
         b**2 / 12 * (1 - 192 * b / (np.pi**5 * h) * (np.tanh(n * np.pi * h / (2 * b)) / n**5).sum())
@@ -64,7 +63,7 @@ def test_wall_shear_peak(tmp_path):
 
 def test_tracer_paths(tmp_path):
     """The mean residence time over both streams is V / Q = 8.5 mm³ / (1 mm³/s)."""
-    options = ["--element-size", "0.6", "--levels", "1", "--tracers", "4", "--paths", "1"]
+    options = ["--accuracy", "0.02", "--tracers", "4", "--paths", "1"]
     found = cb.run(tracer_paths.main, ["-o", str(tmp_path), *options])
     whole = sum(group.mean_time * group.flow_rates.sum() for group in found.values())
     assert whole == pytest.approx(8.5, rel=0.05)

@@ -29,13 +29,14 @@ def test_square_channel(tmp_path):
 
 
 def test_y_junction(tmp_path):
-    """Both inlets see the same pressure (mirror symmetry) to 1e-8, and what enters leaves."""
+    """Both inlets see the same pressure (mirror symmetry) within the accuracy, and what enters
+    leaves."""
     solution = cb.run(
-        y_junction_flow.main, ["-o", str(tmp_path), "--spans", "4", "--mesh-size", "1.5"]
+        y_junction_flow.main, ["-o", str(tmp_path), "--accuracy", "0.01", "--mesh-size", "1.5"]
     )
     a, b = solution.mean_pressure("inlet_a"), solution.mean_pressure("inlet_b")
-    assert a == pytest.approx(b, rel=1e-8)
-    assert solution.flow_rate("outlet") == pytest.approx(-96, rel=3e-3)
+    assert a == pytest.approx(b, rel=1e-2)
+    assert solution.flow_rate("outlet") == pytest.approx(-96, rel=1e-9)
     assert pictures_in(tmp_path) == PICTURES | {"volume.vtu", "walls.vtu"}
 
 

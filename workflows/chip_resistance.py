@@ -1,10 +1,11 @@
 """The hydraulic resistances of a chip with four openings, and what a pump has to do.
 
 Flow focusing (geometries/flow_focusing.py): 'inlet', 'side_a' and 'side_b' meet before an orifice,
-and leave through 'outlet'.  All openings are driven in turn by a unit pressure, with one
-factorisation of the matrix; the flow rates make the conductance matrix G, Q = G p.  Prints G, the
-resistance matrix towards the outlet, and the pressures that given flow rates need, at the chip and
-at the pumps behind tubing, whose resistance is 128 μ L / (π d⁴).  Draws the flow at that point.
+and leave through 'outlet'.  Elements are refined until flow rates are accurate.  All openings are
+driven in turn by a unit pressure, with one factorisation of the matrix; the flow rates make the
+conductance matrix G, Q = G p.  Prints G, the resistance matrix towards the outlet, and the
+pressures that given flow rates need, at the chip and at the pumps behind tubing, whose resistance
+is 128 μ L / (π d⁴).  Draws the flow at that point.
 """
 
 from pathlib import Path
@@ -18,19 +19,20 @@ OPENINGS = ("inlet", "side_a", "side_b", "outlet")
 def main(
     output: str = "results/chip_resistance", viscosity: str = "1 mPa s",
     main_rate: str = "30 uL/min", side_rate: str = "60 uL/min", bore: str = "2 mm",
-    tube_length: str = "30 cm", element_size: float = 0.4, mesh_size: float = 0.12,
+    tube_length: str = "30 cm", accuracy: float = 1e-2, mesh_size: float = 0.12,
 ) -> tuple[cb.Network, cb.OperatingPoint]:  # fmt: skip
     """Syringe pumps at three openings; the outlet's tube ends in the open.
 
     viscosity: of the fluid, with any units, such as '3 cP'
     main_rate: into 'inlet', with any units; side_rate: into either side
     bore: inner diameter of the tube at each opening; tube_length: its length, with any units
-    element_size: longest elements (mm); mesh_size: cells in pictures of the flow (mm)
+    accuracy: relative error of flow rates that you accept, such as 1e-3
+    mesh_size: cells in pictures of the flow (mm)
     """
     folder = cb.run_folder(output, GEOMETRY)
-    channel = cb.read_cad(GEOMETRY).elevated(2).refined(size=element_size)
+    channel = cb.read_cad(GEOMETRY)
     u = cb.Units.of(channel)  # lengths in the file's unit, time in s, pressure in Pa
-    network = cb.hydraulic_network(channel, u(viscosity), OPENINGS, cb.Quadrature(1e-5))
+    network = cb.hydraulic_network(channel, u(viscosity), OPENINGS, accuracy=accuracy)
     print(f"{network.problem.space.count} collocation points, |G - G'| / |G| = "
           f"{network.asymmetry:.1e}")  # fmt: skip
     print(network.tables("outlet", u))

@@ -1,7 +1,8 @@
 """Stokes flow through a Y-junction that is read from a STEP file.
 
 Two inlets of equal mean velocity join into one outlet; see geometries/y_junction.py for the
-drawing.  Prints flow rates and the pressure drop, and draws pictures into a folder.
+drawing.  Elements are chosen and refined until estimated errors are below an accuracy.  Prints flow
+rates, pressures and their errors, and draws pictures into a folder.
 """
 
 from pathlib import Path
@@ -12,18 +13,17 @@ GEOMETRY = Path(__file__).parents[1] / "geometries" / "y_junction.step"
 
 
 def main(
-    output: str = "results/y_junction_flow", spans: int = 7, degree: int = 2,
-    mesh_size: float = 0.35,
+    output: str = "results/y_junction_flow", accuracy: float = 1e-2, mesh_size: float = 0.35,
 ) -> cb.StokesSolution:  # fmt: skip
     """Branches are 4 wide and high, the mean velocity is 3 in both inlets, the viscosity 1.
 
-    spans: elements a direction on each face; degree: of their functions
+    accuracy: relative error that you accept, such as 1e-3
     mesh_size: of the cells on which pictures of the flow are drawn
     """
     folder = cb.run_folder(output, GEOMETRY)
 
     # Geometry: 18 four-sided faces with the names that the CAD file gives them
-    channel = cb.read_cad(GEOMETRY).elevated(degree).refined(spans)
+    channel = cb.read_cad(GEOMETRY)
 
     # Problem: developed inflow of mean velocity 3 in both inlets, pressure zero at the outlet
     problem = cb.StokesProblem(
@@ -36,7 +36,7 @@ def main(
             "walls": cb.NoSlip(),
         },
     )
-    solution = problem.solve()
+    solution = problem.solve(accuracy)
 
     # Checks: what enters must leave, and the two inlets must agree
     print(f"{solution.space.count} collocation points")
@@ -44,6 +44,7 @@ def main(
         flow, pressure = solution.flow_rate(name), solution.mean_pressure(name)
         print(f"{name:8}  flow rate {flow:10.5f}  mean pressure {pressure:10.5f}")
     print(f"net flux / inflow {solution.net_flux():.2e}, net force {solution.net_force():.2e}")
+    print(solution.accuracy)
     drop = solution.mean_pressure("inlet_a") - solution.mean_pressure("outlet")
     folder.summary({"points": solution.space.count, "pressure drop": drop})
 
