@@ -13,6 +13,7 @@ from cadbem.problems.conditions import Inflow, NoSlip, Pressure, Traction, Veloc
 from cadbem.problems.profiles import circle_profile, rectangle_profile
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature, UniformSubdivision
+from cadbem.spline.shapes import box
 
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 DUCT = {"inlet": Inflow(mean_velocity=1.0), "outlet": Pressure(0.0), "walls": NoSlip()}
@@ -155,6 +156,21 @@ def test_couette_flow_is_exact():
     exact = np.array([points[2], 0 * points[0], 0 * points[0]])
     assert abs(solution.velocity_at(points) - exact).max() < 1e-8
     assert abs(solution.pressure_at(points)).max() < 1e-7
+
+
+def test_a_closed_inlet():
+    """An inflow of 0 beside a pressure-driven flow: the opening acts as a wall."""
+    boundary = Boundary(tuple(Patch(s) for s in box((0, 0, 0), (3, 1, 1)))).named(
+        low=lambda x, n: n[0] > 0.9, high=lambda x, n: n[0] < -0.9, side=lambda x, n: n[1] > 0.9,
+        rest="walls",
+    )  # fmt: skip
+    ends = {"low": Pressure(1.0), "high": Pressure(0.0), "walls": NoSlip()}
+    boundary = boundary.elevated(3)
+    open_, closed = (
+        StokesProblem(boundary, 1.0, ends | {"side": side}).solve()
+        for side in (NoSlip(), Inflow(flow_rate=0.0))
+    )
+    assert closed.flow_rate("low") == pytest.approx(open_.flow_rate("low"), rel=1e-12)
 
 
 def test_viscosity_and_flow_rate_scale_the_pressure():

@@ -123,18 +123,12 @@ def trace(
         raise ConditionError(f"a tracer starts at ({place}), outside the fluid; move it inside")
     march = _March(flow, flow.turnover * PATIENCE if time_limit is None else time_limit, tolerance)
     march.follow(points)
+    compressed = isinstance(solution.problem.layers, CompressedLayers)
     return Tracers(
         tuple(np.array(p).T for p in march.paths), tuple(map(np.array, march.moments)),
         tuple(march.openings), tuple(march.ended), release_points.flow_rates,
-        _velocity_error(solution),
+        np.nan if compressed else solution.accuracy.of("velocity in the mean square").relative,
     )  # fmt: skip
-
-
-def _velocity_error(solution: StokesSolution) -> float:
-    """The relative error of the velocity in the mean square."""
-    if isinstance(solution.problem.layers, CompressedLayers):
-        return float("nan")
-    return solution.accuracy.of("velocity in the mean square").relative
 
 
 @dataclass(frozen=True, eq=False)

@@ -190,7 +190,8 @@ class StokesEquations:
                 opening = self.openings[name]
                 parts = patches_named(self.boundary, name)
                 flow = sum(Field(self.space, velocity).integral(i) for i in parts)
-                scale = condition.mean(opening) * opening.area / (flow @ opening.normal)
+                wanted = condition.mean(opening) * opening.area
+                scale = wanted / (flow @ opening.normal) if wanted else 0.0  # 0: a closed inlet
                 for i in parts:
                     velocity[:, self.space.functions(i)] *= scale
         return velocity, traction

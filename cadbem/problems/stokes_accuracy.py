@@ -52,21 +52,18 @@ def analyse(
         return twice * (far - checks.values(u - thin))
 
     missed = residual(equations.system, checks, thin, f, source, coarser(equations.quadrature))
+    norms = []
     if goal is None:
-        functionals = [
-            *_openings(equations, checks, velocity, traction),
-            *_forces(equations, checks, velocity, traction),
-        ]
+        functionals = _openings(equations, checks, velocity, traction)
+        functionals += _forces(equations, checks, velocity, traction)
         norms = [_slip(equations, checks, missed / twice, velocity, background)]
-    elif isinstance(goal, str) and goal == OPENINGS:
-        functionals, norms = _openings(equations, checks, velocity, traction), []
-    elif isinstance(goal, str):
-        functionals = [_largest_shear(equations, traction, goal)]
-        jumps = shear_jumps(equations, traction) ** 2
-        norms = [Norm("jump of the wall shear", functionals[0].scale, jumps, largest=True)]
+    elif not isinstance(goal, str):
+        functionals = _velocities(equations, velocity, traction, background, np.asarray(goal))
+    elif goal == OPENINGS:
+        functionals = _openings(equations, checks, velocity, traction)
     else:
-        points = np.asarray(goal, dtype=float)
-        functionals, norms = _velocities(equations, velocity, traction, background, points), []
+        functionals = [_largest_shear(equations, traction, goal)]
+        norms = [_jumps(equations, traction, functionals[0].scale)]
     if isinstance(equations.layers, CompressedLayers):
         adjoint = reciprocal_adjoints(equations, functionals)
     else:
@@ -217,6 +214,12 @@ def _largest_shear(equations: StokesEquations, traction: Field, goal: str) -> Fu
     return Functional("largest wall shear", "", top, top, 0 * weights, weights, POINTWISE)
 
 
+def _jumps(equations: StokesEquations, traction: Field, scale: float) -> Norm:
+    """The largest jump of the wall shear between elements."""
+    squares = shear_jumps(equations, traction) ** 2
+    return Norm("jump of the wall shear", scale, squares, largest=True)
+
+
 def _velocities(
     equations: StokesEquations,
     velocity: Field,
@@ -225,6 +228,7 @@ def _velocities(
     points: Array,
 ) -> list[Functional]:
     """Components of the velocity at points (dim, M) in the fluid."""
+    points = np.asarray(points, dtype=float)
     kernel, _ = stokes_kernels(len(points))
     inside = 2 * kernel.free_term
     targets = Targets.free(np.ascontiguousarray(points))
