@@ -16,7 +16,7 @@ GEOMETRY = Path(__file__).parents[1] / "geometries" / "t_junction.step"
 def main(
     output: str = "results/droplet_sorting", viscosity: str = "10 mPa s",
     flow_rate: str = "60 uL/min", share: float = 0.65, tension: str = "0.1 mN/m",
-    radii: str = "100 220 um", starts: str = "-200 -130 -50 um", element_size: float = 0.5,
+    radii: str = "100 220 um", starts: str = "-200 -130 -50 um", accuracy: float = 1e-2,
     points: int = 50, tolerance: float = 5e-2, every: float = 0.1, end: str = "20 s",
 ) -> list[cb.Fate]:  # fmt: skip
     """Every size from every start, 1.2 mm before the middle of the junction.
@@ -24,18 +24,18 @@ def main(
     viscosity: of all fluid, with any units; tension: of interfaces, with any units
     flow_rate: of what enters, with any units; share: of the flow, to the right
     radii: of the droplets, with a unit; starts: how far off the axis they start, with a unit
-    element_size: longest elements of the channel (mm); points: on each droplet
+    accuracy: relative error of the flow without droplets; points: on each droplet
     tolerance: error of a time step, as a share of a droplet's size
     every: time between points of a path (s); end: time limit of a droplet, with any unit
     """
     folder = cb.run_folder(output, GEOMETRY)
     junction = cb.read_cad(GEOMETRY).named(stem="inlet_b", left="inlet_a", right="outlet")
-    channel = junction.elevated(2).refined(size=element_size)
-    u = cb.Units.of(channel)
+    u = cb.Units.of(junction)
     rate, sizes, law = u(flow_rate), u.several(radii), cb.SurfaceTension(u(tension))
     conditions = {"stem": cb.Inflow(flow_rate=rate), "right": cb.Inflow(flow_rate=-share * rate)}
     conditions |= {"left": cb.Pressure(0.0), "walls": cb.NoSlip()}
-    flow = cb.ChannelFlow(cb.StokesProblem(channel, u(viscosity), conditions, cb.Quadrature(1e-4)))
+    empty = cb.StokesProblem(junction, u(viscosity), conditions).solve(accuracy)
+    flow = cb.ChannelFlow(empty.problem)
     mean = rate / 1.0  # mm/s: the channels are 1 mm wide and high
     what = cb.numbers(viscosity=u(viscosity), velocity=mean, length=1.0, tension=u(tension))
     print(f"{flow.problem.space.count} points, mean velocity {u.show(mean, 'velocity')}, "
@@ -52,7 +52,7 @@ def main(
     folder.summary({"left through the right arm": right, "of droplets": len(fates)})
     if folder:
         tracks = {f"{u.show(f.radius, 'length')}, x = {f.path[0, 0]:+.2f}": f.path for f in fates}
-        cb.draw_trajectories(folder / "paths.png", channel, tracks)
+        cb.draw_trajectories(folder / "paths.png", junction, tracks)
     return fates
 
 
