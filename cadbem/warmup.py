@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import warnings
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.compiled import quietly
+from cadbem.errors import AccuracyWarning
 from cadbem.kernels.stokes_3d import STOKES_3D
 from cadbem.operators.compressed.storage import Compressed, Storage
 from cadbem.operators.layers import assemble_layers, collocation_targets
@@ -45,7 +47,8 @@ def warm_up() -> str | None:
     Returns the folder where it is, or above where it is; None if there is none to write to.
     """
     steps = list(_steps())
-    with quietly(), progress(total=len(steps)) as bar:
+    with warnings.catch_warnings(), quietly(), progress(total=len(steps)) as bar:
+        warnings.simplefilter("ignore", AccuracyWarning)
         for name, step in steps:
             bar.set_description(f"compiling for {name}")
             step()
