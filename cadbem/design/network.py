@@ -7,6 +7,7 @@ columns that sum to 0 (fluid is conserved), and is symmetric (Lorentz's reciproc
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
@@ -14,10 +15,11 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.design.overview import network_overview
-from cadbem.errors import ConditionError, SelectionError
+from cadbem.errors import AccuracyWarning, ConditionError, SelectionError
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.compressed.storage import Storage
 from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
+from cadbem.problems.estimates import DOUBTFUL
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
@@ -223,13 +225,32 @@ def network_of(problem: StokesProblem, *, accuracy: float | None = None) -> Netw
         refined = whole.solve(accuracy, goal="openings").problem
         assert isinstance(refined, StokesProblem)
         whole = refined
-    columns, errors = [], []
-    for end in ends:
-        flow = whole.with_data(end).solve()
-        columns.append([flow.flow_rate(n) for n in names])
-        known = not isinstance(whole.layers, CompressedLayers)
-        errors.append([flow.accuracy.error("flow rate", n) if known else np.nan for n in names])
-    return Network(names, np.array(columns).T, np.array(errors).T, whole)
+    columns, errors = zip(*(_driven(whole, end) for end in ends), strict=True)
+    network = Network(names, np.array(columns).T, np.array(errors).T, whole)
+    _warn_if_doubtful(network)
+    return network
+
+
+def _driven(problem: StokesProblem, pressures: Mapping[str, Pressure]) -> tuple[list, list]:
+    """Flow rates at the openings for given pressures, and their estimated errors."""
+    with warnings.catch_warnings():  # what counts here is said of the whole network
+        warnings.simplefilter("ignore", AccuracyWarning)
+        flow = problem.with_data(pressures).solve()
+    known = not isinstance(problem.layers, CompressedLayers)
+    errors = [flow.accuracy.error("flow rate", n) if known else np.nan for n in pressures]
+    return [flow.flow_rate(n) for n in pressures], errors
+
+
+def _warn_if_doubtful(network: Network) -> None:
+    largest = abs(network.conductance).max()
+    share = float(np.nan_to_num(network.errors).max() / largest)
+    if share > DOUBTFUL:
+        warnings.warn(
+            f"flow rates of the network may be off by {share:.0%} of the largest: the elements are "
+            "too few or in the wrong places; accuracy=1e-3 chooses them",
+            AccuracyWarning,
+            stacklevel=3,
+        )
 
 
 def _check_names(channel: Boundary, openings: Sequence[str]) -> None:
