@@ -64,7 +64,10 @@ def groups(space: Space, kinds: Sequence[Hashable]) -> Iterator[Group]:
     alike: dict[Hashable, list[int]] = {}
     panels = [split_patch(p.surface) for p in space.boundary.patches]
     for number, (part, kind) in enumerate(zip(panels, kinds, strict=True)):
-        alike.setdefault((kind, *_form(part)), []).append(number)
+        # with a pole, panels are cut in strips, and the shift of parameters would round points off
+        # the strips' borders: such patches stay by themselves
+        form = _form(part) if part.collapsed_sides is None else (number,)
+        alike.setdefault((kind, *form), []).append(number)
     for members in alike.values():
         size = max(panels[i].surface.weights.size for i in members)
         step = max(FUNCTIONS // size, 1)
