@@ -82,13 +82,17 @@ class Space:
         Σ w v = ∫ v dS for every v of the space.
         """
         result = np.empty(self.count)
-        for i, patch in enumerate(self.boundary.patches):
-            order = max(patch.surface.degrees) + 4
-            basis = rational_basis(patch.surface, _element_parameters(patch.surface, order))
-            _, weights = patch.quadrature(order)
+        for i in range(len(self.boundary.patches)):
             factors = splu(self.collocation_matrix(i).tocsc())
-            result[self.functions(i)] = factors.solve(basis.T @ weights, trans="T")
+            result[self.functions(i)] = factors.solve(self.integrals(i), trans="T")
         return result
+
+    def integrals(self, patch: int) -> Array:
+        """The integral of each function of a patch over it: (n,)."""
+        element = self.boundary.patches[patch]
+        order = max(element.surface.degrees) + 4
+        basis = rational_basis(element.surface, _element_parameters(element.surface, order))
+        return basis.T @ element.quadrature(order)[1]
 
     def project(self, patch: int, function: Callable[[SurfacePoints], Array]) -> Array:
         """L² projection (dim, n) of ``function(points) -> (dim, N)`` on one patch.

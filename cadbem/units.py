@@ -18,6 +18,19 @@ from cadbem.errors import UnitsError
 Dimension = tuple[int, int, int]  # powers of length, mass and time
 
 
+class UnitNames(Protocol):
+    """The names of units, such as "mm", "s", "Pa"; empty where there are none."""
+
+    @property
+    def length(self) -> str: ...
+
+    @property
+    def time(self) -> str: ...
+
+    @property
+    def pressure(self) -> str: ...
+
+
 class Drawn(Protocol):
     """A geometry with a unit of length, such as a ``Boundary``."""
 

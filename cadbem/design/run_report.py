@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol
-
 import numpy as np
 
 from cadbem.suspension.bodies.droplet import Droplet
@@ -11,21 +9,9 @@ from cadbem.suspension.multibody.contact import Gap
 from cadbem.suspension.multibody.measures import taylor_deformation
 from cadbem.suspension.time.history import History
 from cadbem.tables import text_table
+from cadbem.units import UnitNames
 
 TIMES = 14  # rows of a course
-
-
-class UnitNames(Protocol):
-    """What units are called, such as "mm", "s", "Pa"."""
-
-    @property
-    def length(self) -> str: ...
-
-    @property
-    def time(self) -> str: ...
-
-    @property
-    def pressure(self) -> str: ...
 
 
 def bodies_report(run: History, units: UnitNames | None = None) -> str:

@@ -9,8 +9,8 @@ from itertools import pairwise, product
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.elements.reentrant import Side, singular_parts
-from cadbem.elements.shape import Widths, lengths, turning
+from cadbem.elements.reentrant import singular_parts
+from cadbem.elements.shape import Side, Widths, lengths, turning
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary
+from cadbem.elements.shape import Side, side_parameters
 from cadbem.points import surface_points
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -19,8 +20,6 @@ SHARPEST = np.sin(np.deg2rad(10.0))  # of the angle beyond 180 degrees that coun
 NEIGHBOURS = 24  # nearest samples among which an edge's neighbours are sought
 OFF = 0.1  # how far an edge may run beside its neighbour's samples, over their spacing
 TOUCHING = 1e-6  # share of the boundary's size within which a patch holds a point
-
-Side = tuple[int, int]  # a direction of the parameters, and its first (0) or last (1) end
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,20 +77,8 @@ def _sampled(boundary: Boundary) -> _Edges:
     return _Edges(position, normal, inward, along, spacing, owner, sides)
 
 
-def _parameters(surface: Nurbs, side: Side, count: int) -> list[Array]:
-    """Parameters of points inside a side."""
-    direction, end = side
-    values = []
-    for d, ends in enumerate(surface.domain):
-        if d == direction:
-            values.append(np.full(count, ends[end]))
-        else:
-            values.append(ends[0] + (ends[1] - ends[0]) * (np.arange(count) + 0.5) / count)
-    return values
-
-
 def _length(surface: Nurbs, side: Side) -> float:
-    x = surface.evaluate(*_parameters(surface, side, 5))
+    x = surface.evaluate(*side_parameters(surface, side, 5))
     size = float(np.ptp(surface.points.reshape(-1, surface.dimension), axis=0).max())
     length = float(np.linalg.norm(np.diff(x, axis=1), axis=0).sum())
     return length if length > TOUCHING * size else 0.0
@@ -100,7 +87,7 @@ def _length(surface: Nurbs, side: Side) -> float:
 def _samples(surface: Nurbs, side: Side) -> tuple[Array, Array, Array, Array, Array]:
     direction, end = side
     count = SAMPLES if len(surface.degrees) == 2 else 1
-    points = surface_points(surface, *_parameters(surface, side, count))
+    points = surface_points(surface, *side_parameters(surface, side, count))
     across = points.tangents[direction] * (1.0 if end == 0 else -1.0)
     if len(surface.degrees) == 1:
         along, spacing = np.zeros_like(across), np.zeros(1)

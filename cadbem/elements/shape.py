@@ -11,6 +11,8 @@ from cadbem.points import surface_points
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
+Side = tuple[int, int]  # a direction of the parameters, and its first (0) or last (1) end
+
 LINES = 9  # samples a direction in which lengths and turns are measured
 CLOUD = 8.0  # samples a typical patch length, for widths
 FEWEST, MOST = 6, 40  # samples a direction of a patch
@@ -21,6 +23,15 @@ def inner(surface: Nurbs, direction: int, count: int) -> Array:
     """The middles (count,) of equal parts of a direction's parameters."""
     low, high = surface.domain[direction]
     return low + (high - low) * (np.arange(count) + 0.5) / count
+
+
+def side_parameters(surface: Nurbs, side: Side, count: int) -> list[Array]:
+    """Parameters (count,) in each direction of points inside a side."""
+    direction, end = side
+    return [
+        np.full(count, ends[end]) if d == direction else inner(surface, d, count)
+        for d, ends in enumerate(surface.domain)
+    ]
 
 
 def lengths(surface: Nurbs) -> list[float]:
@@ -35,7 +46,6 @@ def lengths(surface: Nurbs) -> list[float]:
 
 def turning(surface: Nurbs, direction: int) -> float:
     """The largest angle (radians) by which the lines along a direction turn."""
-    count = len(surface.degrees)
     grid = [np.linspace(*ends, LINES) for ends in surface.domain]
     points = surface.evaluate(*np.meshgrid(*grid, indexing="ij"))
     chords = np.moveaxis(np.diff(points, axis=1 + direction), 1 + direction, -1)
@@ -44,7 +54,7 @@ def turning(surface: Nurbs, direction: int) -> float:
     cosine = np.clip((unit[..., 1:] * unit[..., :-1]).sum(axis=0), -1.0, 1.0)
     angles = np.where((size[..., 1:] > 0) & (size[..., :-1] > 0), np.arccos(cosine), 0.0)
     # the chords of n - 1 parts turn by n - 2 of n - 1 parts of the whole
-    return float(angles.sum(axis=-1).max()) * (LINES - 1) / (LINES - 2) * (count > 0)
+    return float(angles.sum(axis=-1).max()) * (LINES - 1) / (LINES - 2)
 
 
 @dataclass(frozen=True, eq=False)

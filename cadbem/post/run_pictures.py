@@ -18,10 +18,11 @@ from cadbem.post.bodies.trajectories import draw_trajectories
 from cadbem.post.fields.frames import Frame, extent_of
 from cadbem.post.files.export import prepared
 from cadbem.post.style.plots import Curve, Plot, draw_plots
-from cadbem.post.style.style import UnitNames, quantity_label
+from cadbem.post.style.style import quantity_label
 from cadbem.spline.basis import Array
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.history import Course, History
+from cadbem.units import UnitNames
 
 STILL = 1e-3  # way, as a share of what there is to see, below which bodies stay where they are
 ALL = ("movie.gif", "filmstrip.png", "paths.png", "series.png", "along.png")

@@ -13,8 +13,8 @@ from cadbem.post.channel.view_walls import draw_traction
 from cadbem.post.fields.bezier import bezier_grid
 from cadbem.post.fields.volume import volume_grid
 from cadbem.post.files.export import write_vtu
-from cadbem.post.style.style import UnitNames
 from cadbem.problems.solution import StokesSolution
+from cadbem.units import UnitNames
 
 ON_WALLS = ("faces.png", "collocation.png", "traction.png")
 INSIDE = ("slices.png", "streamlines.png", "volume.vtu")

@@ -7,7 +7,8 @@ from itertools import product
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.operators.panels import split_patch
+from cadbem.elements.shape import side_parameters
+from cadbem.operators.locate import touching
 from cadbem.points import SurfacePoints, join, surface_points
 from cadbem.problems.conditions import NoSlip
 from cadbem.problems.equations import StokesEquations
@@ -36,17 +37,11 @@ def shear_jumps(equations: StokesEquations, traction: Field) -> Array:
         return result
     points, owner, here = _sides(boundary, traction, walls)
     for i in walls:
-        panels = split_patch(boundary.patches[i].surface)
-        target, panel = panels.close_pairs(points.position, ON * panels.lengths)
-        closest = panels.closest(points.position, target, panel)
-        on = (closest[2] < ON * panels.lengths[panel]) & (owner[target] != i)
-        target, cells = target[on], np.divmod(panel[on], panels.shape[1])
+        target, parameters = touching(boundary.patches[i].surface, points.position, ON)
+        others = owner[target] != i
+        target, place = target[others], list(parameters[:, others])
         if not len(target):
             continue
-        place = [
-            panels.breaks[d][cells[d]] + closest[d, on] * np.diff(panels.breaks[d])[cells[d]]
-            for d in range(2)
-        ]
         normal = surface_points(boundary.patches[i].surface, *place).normal
         smooth = (normal * points.normal[:, target]).sum(axis=0) > SMOOTH
         jump = np.linalg.norm(shear(traction, i, place) - here[:, target], axis=0)[smooth]
@@ -60,14 +55,10 @@ def _sides(
 ) -> tuple[SurfacePoints, Array, Array]:
     """Points on the sides of walls' patches, their patches (N,), and the shear there (dim, N)."""
     points, owner, values = [], [], []
-    shares = (np.arange(SAMPLES) + 0.5) / SAMPLES
     for i in walls:
         surface = boundary.patches[i].surface
-        for direction, end in product((0, 1), (0, 1)):
-            low, high = surface.domain[1 - direction]
-            place = [np.empty(0)] * 2
-            place[direction] = np.full(SAMPLES, surface.domain[direction][end])
-            place[1 - direction] = low + (high - low) * shares
+        for side in product((0, 1), (0, 1)):
+            place = side_parameters(surface, side, SAMPLES)
             points.append(surface_points(surface, *place))
             owner.append(np.full(SAMPLES, i))
             values.append(shear(traction, i, place))

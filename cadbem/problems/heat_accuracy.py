@@ -11,7 +11,7 @@ from cadbem.problems.heat_conditions import HeatFlux
 from cadbem.problems.heat_equations import HeatEquations
 from cadbem.problems.mixed import MixedSystem, patches_named
 from cadbem.problems.residual import CheckPoints, residual
-from cadbem.space import Field, rational_basis
+from cadbem.space import Field
 from cadbem.spline.basis import Array
 
 
@@ -51,9 +51,7 @@ def _rates(equations: HeatEquations, flux: Field) -> list[Functional]:
     for name, condition in equations.conditions.items():
         weights = np.zeros((1, space.count))
         for i in patches_named(space.boundary, name):
-            parameters, _, weight = flux.nodes(i)
-            basis = rational_basis(space.boundary.patches[i].surface, parameters)
-            weights[0, space.functions(i)] = weight @ basis
+            weights[0, space.functions(i)] = space.integrals(i)
         found.append((name, condition, float((weights * flux.coefficients).sum()), weights))
     largest = max(abs(value) for _, _, value, _ in found)
     return [

@@ -40,7 +40,8 @@ def analyse(
     """Estimated errors of a flow with ``velocity`` and ``traction`` on its boundary.
 
     Without a ``goal``: of flow rates, mean pressures and forces, and of the velocity in the mean
-    square.  A goal is "wall shear" for the largest one, or points (dim, M) for the velocity there.
+    square.  A goal is "openings" for flow rates and mean pressures alone, "wall shear" for the
+    largest one, or points (dim, M) for the velocity there.
     """
     checks = CheckPoints.of(equations.space)
     u, f = velocity.coefficients, traction.coefficients
@@ -118,9 +119,7 @@ def _forces(
     for name in names:
         integrals = np.zeros((1, space.count))
         for i in patches_named(space.boundary, name):
-            parameters, _, weights = traction.nodes(i)
-            basis = rational_basis(space.boundary.patches[i].surface, parameters)
-            integrals[0, space.functions(i)] = weights @ basis
+            integrals[0, space.functions(i)] = space.integrals(i)
         for axis, row in enumerate(np.eye(len(traction.coefficients))):
             weights = row[:, None] * integrals
             value = float((weights * traction.coefficients).sum())

@@ -15,10 +15,11 @@ from cadbem.post.bodies.droplets import tessellated_droplet
 from cadbem.post.fields.body_fields import BodyField, control_values, fields_of
 from cadbem.post.fields.cells import between, tessellated
 from cadbem.post.fields.frames import Frame, Shape
-from cadbem.post.style.style import UnitNames, colour_limits, light_colours, quantity_label
+from cadbem.post.style.style import colour_limits, light_colours, quantity_label
 from cadbem.progress import progress
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
+from cadbem.units import UnitNames
 
 NEUTRAL = "#8a939c"  # bodies that do not have the field
 SAMPLES = 16  # points along each element of an outline

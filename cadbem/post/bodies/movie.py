@@ -17,8 +17,8 @@ from cadbem.post.fields.frames import Frame, Shape, require_frames, time_labels
 from cadbem.post.files.encode import Shots, encoder
 from cadbem.post.files.export import prepared
 from cadbem.post.style.layout import Size
-from cadbem.post.style.style import UnitNames
 from cadbem.spline.basis import Array
+from cadbem.units import UnitNames
 
 Limits = tuple[float, float]
 SHADES = 64  # of a colour bar that a GIF tells apart

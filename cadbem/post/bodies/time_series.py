@@ -12,7 +12,8 @@ from numpy.typing import ArrayLike
 from cadbem.errors import ShapeError
 from cadbem.post.bodies.bodies import LEGIBLE, body_colour
 from cadbem.post.files.export import prepared
-from cadbem.post.style.style import INK, UnitNames, quantity_label
+from cadbem.post.style.style import INK, quantity_label
+from cadbem.units import UnitNames
 
 Column = ArrayLike | Mapping[int, ArrayLike]
 WIDTH, HEIGHT = 6.0, 2.6  # inches of a panel

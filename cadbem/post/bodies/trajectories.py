@@ -15,8 +15,9 @@ from cadbem.post.fields.frames import spread_points
 from cadbem.post.files.export import prepared
 from cadbem.post.plane.plane import add_legend, add_plan, add_plane_channel, plane_figure
 from cadbem.post.style.layout import Size, axes_by_length
-from cadbem.post.style.style import BACKGROUND, UnitNames, length_unit
+from cadbem.post.style.style import BACKGROUND, length_unit
 from cadbem.spline.basis import Array
+from cadbem.units import UnitNames
 
 
 def draw_trajectories(

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Sequence
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.post.style.display import load_pyvista
 from cadbem.spline.basis import Array
+from cadbem.units import UnitNames
 
 BACKGROUND = "#ffffff"
 INK = "#1a1a1a"
@@ -47,19 +48,6 @@ def _palette(count: int) -> list[str]:
     mixed = [colorsys.hls_to_rgb(i / more, 0.45 + 0.2 * (i % 2), 0.6) for i in range(more)]
     hexadecimal = ["#" + "".join(f"{round(255 * c):02x}" for c in rgb) for rgb in mixed]
     return [*PALETTE[:count], *hexadecimal]
-
-
-class UnitNames(Protocol):
-    """The names of units, such as "mm", "s", "Pa"; empty where there are none."""
-
-    @property
-    def length(self) -> str: ...
-
-    @property
-    def time(self) -> str: ...
-
-    @property
-    def pressure(self) -> str: ...
 
 
 def quantity_label(quantity: str, unit: str, units: UnitNames | None = None) -> str:
