@@ -239,6 +239,17 @@ def test_unknown_goals_are_refused():
         through(duct(), storage=cb.Compressed(1e-6)).solve(1e-2, goal=[[1.5], [0.5], [0.5]])
 
 
+@pytest.mark.parametrize("points", [[[1.5, 0.5]], [1.5, 0.5, 0.5], [[np.nan], [0.5], [0.5]]])
+def test_points_of_a_goal_have_a_shape(points):
+    with pytest.raises(cb.ConditionError, match="give finite coordinates"):
+        through(duct()).solve(1e-2, goal=points)
+
+
+def test_points_of_a_goal_lie_in_the_fluid():
+    with pytest.raises(cb.ConditionError, match="is not in the fluid"):
+        through(duct()).solve(1e-2, goal=[[1.5, 9.0], [0.5, 0.5], [0.5, 0.5]])
+
+
 def test_compressed_matrices_are_judged_by_reciprocity():
     """The same flow with both: estimates differ by less than a factor of three, and cover the true
     error."""

@@ -14,6 +14,7 @@ from cadbem.operators.layers import assemble_layers
 from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
 from cadbem.problems.continuity import shear, shear_jumps
+from cadbem.problems.enclosure import inside
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, Norm, adjoints, analysed, coarser
 from cadbem.problems.functionals import FLOW_RATE, FORCES, MEAN_PRESSURE, Functional
@@ -219,6 +220,19 @@ def _jumps(equations: StokesEquations, traction: Field, scale: float) -> Norm:
     return Norm("jump of the wall shear", scale, squares, largest=True)
 
 
+def _check_points(equations: StokesEquations, points: Array) -> None:
+    dimension = equations.boundary.dimension
+    if points.ndim != 2 or len(points) != dimension or not np.isfinite(points).all():
+        raise ConditionError(
+            f"goal has the shape {points.shape}; give finite coordinates ({dimension}, M), a "
+            "column a point"
+        )
+    outside = ~inside(equations.boundary, points)
+    if outside.any():
+        place = ", ".join(f"{x:.4g}" for x in points[:, int(outside.argmax())])
+        raise ConditionError(f"the goal's point ({place}) is not in the fluid; move it inside")
+
+
 def _velocities(
     equations: StokesEquations,
     velocity: Field,
@@ -228,14 +242,15 @@ def _velocities(
 ) -> list[Functional]:
     """Components of the velocity at points (dim, M) in the fluid."""
     points = np.asarray(points, dtype=float)
+    _check_points(equations, points)
     kernel, _ = stokes_kernels(len(points))
-    inside = 2 * kernel.free_term
+    within = 2 * kernel.free_term
     targets = Targets.free(np.ascontiguousarray(points))
     layers = assemble_layers(kernel, equations.space, targets, equations.quadrature)
     one, patches = np.eye(len(points)), range(len(equations.boundary.patches))
-    push = -one / (inside * equations.viscosity)
+    push = -one / (within * equations.viscosity)
     single = np.concatenate([layers.columns(i, push, 0 * one) for i in patches], axis=3)
-    double = np.concatenate([layers.columns(i, 0 * one, one / inside) for i in patches], axis=3)
+    double = np.concatenate([layers.columns(i, 0 * one, one / within) for i in patches], axis=3)
     double[..., equations.thin] = 0.0
     far, found = background.velocity_at(points), []
     for m in range(points.shape[1]):
