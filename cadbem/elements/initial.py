@@ -34,7 +34,7 @@ def first_elements(boundary: Boundary, levels: int) -> Boundary:
     for patch, sides, corners in zip(pieces.patches, singular.sides, singular.corners, strict=True):
         cuts = _cuts(patch, widths, corners)
         for surface in _divided(patch.surface, cuts):
-            element = _Element.of(replace(patch, surface=surface), patch.surface, sides, corners)
+            element = _Element.of(replace(patch, surface=surface), patch.surface, sides)
             patches += element.graded(levels, widths)
     return replace(boundary, patches=tuple(patches))
 
@@ -95,38 +95,26 @@ def _divided(surface: Nurbs, cuts: list[Array]) -> list[Nurbs]:
 
 @dataclass(frozen=True, eq=False)
 class _Element:
-    """A patch of one element, its singular ``sides``, and ``corners``: for each direction the end
-    at which an edge of others meets it."""
+    """A patch of one element and its singular ``sides``."""
 
     patch: Patch
     sides: frozenset[Side]
-    corners: tuple[tuple[int, ...], ...]
 
     @classmethod
-    def of(
-        cls, patch: Patch, whole: Nurbs, sides: frozenset[Side], corners: tuple[Array, ...]
-    ) -> _Element:
-        """An element of a patch whose singular parts are known."""
+    def of(cls, patch: Patch, whole: Nurbs, sides: frozenset[Side]) -> _Element:
+        """An element of a patch whose singular sides are known."""
         domain, all_ = patch.surface.domain, whole.domain
         own = frozenset(s for s in sides if domain[s[0]][s[1]] == all_[s[0]][s[1]])
-        ends = set()
-        for place in corners:
-            at = [_end(value, bounds) for value, bounds in zip(place, domain, strict=True)]
-            if all(end is not None for end in at):
-                ends.add(tuple(int(end) for end in at if end is not None))
-        return cls(patch, own, tuple(sorted(ends)))
+        return cls(patch, own)
 
     def graded(self, levels: int, widths: Widths) -> list[Patch]:
-        """The element cut into smaller ones towards its singular sides and corners."""
-        if not levels or not (self.sides or self.corners):
+        """The element cut into strips that shrink towards its singular sides."""
+        if not levels or not self.sides:
             return [self.patch]
         size = lengths(self.patch.surface)
         width = float(min(widths.along(self.patch, d, 1)[0] for d in range(len(size))))
-        step = min(*size, width) if len(size) > 1 else min(size[0], width)
-        if self.sides:
-            direction = min(self.sides)[0]
-            return self._strips(direction, levels, step / size[direction], widths)
-        return self._towards(self.corners[0], levels, [step / s for s in size])
+        direction = min(self.sides)[0]
+        return self._strips(direction, levels, min(*size, width) / size[direction], widths)
 
     def _strips(
         self, direction: int, levels: int, unit: float, widths: Widths
@@ -144,30 +132,6 @@ class _Element:
         rest = frozenset(s for s in self.sides if s[0] != direction)
         strips = []
         for surface in _divided(self.patch.surface, cuts):
-            strip = _Element(replace(self.patch, surface=surface), rest, ())
+            strip = _Element(replace(self.patch, surface=surface), rest)
             strips += strip.graded(levels, widths) if rest else [strip.patch]
         return strips
-
-    def _towards(self, corner: tuple[int, ...], levels: int, units: list[float]) -> list[Patch]:
-        """Nested pieces: two beside each step, one at the corner."""
-        near, result = self.patch.surface, []
-        whole = near.domain
-        for level in range(levels):
-            for direction, end in enumerate(corner):
-                low, high = whole[direction]
-                share = min(units[direction], 1.0) * RATIO ** (level + 1)
-                cut = low + (high - low) * (share if end == 0 else 1.0 - share)
-                bounds = list(near.domain)
-                a, b = bounds[direction]
-                bounds[direction] = (cut, b) if end == 0 else (a, cut)
-                result.append(replace(self.patch, surface=near.restricted(*bounds)))
-                bounds[direction] = (a, cut) if end == 0 else (cut, b)
-                near = near.restricted(*bounds)
-        return [*result, replace(self.patch, surface=near)]
-
-
-def _end(value: float, bounds: tuple[float, float]) -> int | None:
-    """Which end of an interval a value is at, if any."""
-    low, high = bounds
-    near = 1e-6 * (high - low)
-    return 0 if abs(value - low) < near else 1 if abs(value - high) < near else None

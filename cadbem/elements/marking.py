@@ -103,8 +103,8 @@ def _analysis(count: int) -> Array:
 
 
 def _decay(spectrum: Array) -> float:
-    """How much smaller the last two coefficients are than the two before."""
+    """By how much coefficients fall over two degrees, from the first two to the last two."""
     if len(spectrum) < 3:
         return 0.0  # too few to tell: a higher degree will
-    before = spectrum[-4:-2].sum() if len(spectrum) > 3 else spectrum[-3]
-    return float(spectrum[-2:].sum() / max(before, 1e-300))
+    fall = spectrum[-2:].sum() / max(spectrum[:2].sum(), 1e-300)
+    return float(fall) ** (2 / (len(spectrum) - 2))

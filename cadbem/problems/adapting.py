@@ -24,7 +24,7 @@ Solution = TypeVar("Solution")
 FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
 MOST_POINTS = 4000
 UNGRADED = 3e-3  # accuracy from which on elements are graded from the beginning
-DEGREES = ((5e-4, 3), (2e-4, 4), (0.0, 5))  # accuracies above which to begin with a degree
+DEGREES = ((4e-3, 3), (4e-4, 4), (0.0, 5))  # accuracies above which to begin with a degree
 QUADRATURE_SHARE = 1e-3  # of the accuracy: tolerance of integrals
 PORTION, LAST_PORTION = 0.7, 0.5  # of an error, that of the elements that are refined
 CLOSE = 3.0  # times the accuracy: errors below it need the last, smaller rounds
@@ -88,8 +88,8 @@ def rules_for(rules: Rules, accuracy: float) -> Rules:
 
 
 def _levels(accuracy: float) -> int:
-    """Steps of grading towards re-entrant edges with which to begin: one for two digits more."""
-    return max(0, ceil(log10(UNGRADED / accuracy) / 2))
+    """Steps of grading towards re-entrant edges with which to begin: one for a digit more."""
+    return max(0, ceil(log10(UNGRADED / accuracy)))
 
 
 def _degree(accuracy: float) -> int:

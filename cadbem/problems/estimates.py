@@ -28,7 +28,7 @@ from cadbem.problems.residual import CheckPoints
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 
-SAFETY = 2.0
+SAFETY = 1.5
 CHECKED = 1e-7  # tolerance of residuals, at best
 DOUBTFUL = 0.02  # relative error from which a solution warns
 

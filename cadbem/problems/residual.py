@@ -86,7 +86,7 @@ class CheckPoints:
 
 def _order(degree: int, elements: int) -> int:
     """Gauss points an element, of which a direction has degree + elements functions."""
-    return max(2, ceil((degree + 1) / elements) + 1)
+    return max(2, ceil((degree + 1) / elements) + 2)
 
 
 def residual(
