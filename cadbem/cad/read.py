@@ -9,6 +9,7 @@ from warnings import warn
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.body.crossings import find_crossing
 from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.errors import CadError, CadWarning
@@ -58,7 +59,9 @@ def read_cad(
         for warning in model.warnings:
             warn(warning, CadWarning, stacklevel=2)
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
-        return oriented(boundary)
+        boundary = oriented(boundary)
+        check_crossings(model, boundary)
+        return boundary
 
 
 def oriented(boundary: Boundary) -> Boundary:
@@ -82,6 +85,19 @@ def oriented(boundary: Boundary) -> Boundary:
         return boundary
     turned = [replace(patch, surface=patch.surface.swapped()) for patch in boundary.patches]
     return replace(boundary, patches=tuple(turned))
+
+
+def check_crossings(model: CadModel, boundary: Boundary) -> None:
+    """Raises CadError with faces and place if patches cross each other or themselves."""
+    crossing = find_crossing(boundary.patches)
+    if crossing is None:
+        return
+    first, second = (boundary.patches[k].face for k in crossing.patches)
+    faces = f"face {first} crosses itself" if first == second else f"faces {first} and {second} cross"
+    raise CadError(
+        f"{model.file}: {faces} at {model.place(crossing.place)}; cut or unite what overlaps in the "
+        "CAD program"
+    )
 
 
 def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:
