@@ -11,6 +11,7 @@ import numpy as np
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.body.crossings import find_crossing
 from cadbem.cad.body.model import CadModel, open_model
+from cadbem.cad.body.witness import disagreements
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.errors import CadError, CadWarning
 from cadbem.progress import progress, stage
@@ -61,6 +62,8 @@ def read_cad(
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
         boundary = oriented(boundary)
         check_crossings(model, boundary)
+        for warning in disagreements(model, boundary):
+            warn(warning, CadWarning, stacklevel=2)
         return boundary
 
 
@@ -93,10 +96,10 @@ def check_crossings(model: CadModel, boundary: Boundary) -> None:
     if crossing is None:
         return
     first, second = (boundary.patches[k].face for k in crossing.patches)
-    faces = f"face {first} crosses itself" if first == second else f"faces {first} and {second} cross"
+    who = f"faces {first} and {second} cross" if first != second else f"face {first} crosses itself"
     raise CadError(
-        f"{model.file}: {faces} at {model.place(crossing.place)}; cut or unite what overlaps in the "
-        "CAD program"
+        f"{model.file}: {who} at {model.place(crossing.place)}; "
+        "cut or unite what overlaps in the CAD program"
     )
 
 

@@ -1,9 +1,9 @@
 """Patches that cross each other, or themselves, away from their borders.
 
 Each patch is cut into blocks at its knots, each block into cells. Boxes of blocks and cells that
-meet are sorted out from the largest to the smallest. Of a pair of cells that is left, each must have
-corners on both sides of the other one's plane; from there Newton's method looks for a point that
-both surfaces have in common. Neighbours have those on their borders only.
+meet are sorted out from the largest to the smallest. Of a pair of cells that is left, each must
+have corners on both sides of the other one's plane; from there Newton's method looks for a point
+that both surfaces have in common. Neighbours have those on their borders only.
 """
 
 from __future__ import annotations
@@ -96,7 +96,8 @@ def _blocks(surfaces: Sequence[Nurbs]) -> _Blocks:
             for b in breaks
         ]
         grid = surface.evaluate(*np.meshgrid(*lines, indexing="ij"))
-        for (i, u), (j, v) in product(enumerate(pairwise(breaks[0])), enumerate(pairwise(breaks[1]))):
+        spans = [enumerate(pairwise(b)) for b in breaks]
+        for (i, u), (j, v) in product(*spans):
             patch.append(index)
             ends.append((u, v))
             rows, columns = (slice(k * CELLS, (k + 1) * CELLS + 1) for k in (i, j))
@@ -105,7 +106,7 @@ def _blocks(surfaces: Sequence[Nurbs]) -> _Blocks:
 
 
 def _close_cells(blocks: _Blocks) -> tuple[np.ndarray, np.ndarray]:
-    """Block, row and column (n, 3) of cells whose boxes meet: the first of pairs, and the second."""
+    """Block, row and column (n, 3) of cells whose boxes meet: first and second of pairs."""
     levels = blocks.boxes()
     low, high = (levels[0][k].reshape(-1, 3) for k in (0, 1))
     found = []
@@ -183,8 +184,8 @@ def _common_points(
     lengths = np.linalg.norm(tangents, axis=1).T
     inside = (np.minimum(at - low, high - at) * lengths).min(axis=0) > MARGIN * size
     normals = [area_vector(tangents[:, :, k].T, tangents[:, :, k + 1].T) for k in (0, 2)]
-    units = [n / np.maximum(np.linalg.norm(n, axis=0), 1e-300) for n in normals]
-    across = np.linalg.norm(np.cross(*units, axis=0), axis=0) > FLAT
+    one, other = (n / np.maximum(np.linalg.norm(n, axis=0), 1e-300) for n in normals)
+    across = np.linalg.norm(area_vector(one, other), axis=0) > FLAT
     apart = np.ones(at.shape[1], dtype=bool)
     if same:
         apart = (np.abs(at[:2] - at[2:]) > 0.02 * (high - low)[:2]).any(axis=0)

@@ -29,13 +29,16 @@ class Fluid:
     """The faces round the fluid, normals (`outward` times ∂u × ∂v) out of it.
 
     If the file leaves a choice, `question` asks for it and `faces` are those of all candidates.
-    `ports` are names of faces by number.
+    `ports` are names of faces by number; `bodies` the solids of the record that are the fluid, ()
+    if it is a room between them; `caps` the numbers of faces that no solid has.
     """
 
     faces: tuple[BrepFace, ...]
     question: str = ""
     ports: dict[int, str] = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
+    bodies: tuple[int, ...] = ()
+    caps: frozenset[int] = frozenset()
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +151,11 @@ class _Chooser:
 
     def _one(self, body: _Body) -> Fluid:
         faces, doubled = _without_doubles(body.faces)
-        return Fluid(faces, warnings=self.left_out(doubled))
+        return Fluid(faces, warnings=self.left_out(doubled), bodies=(body.number,))
 
     def _together(self, bodies: list[_Body]) -> Fluid:
-        return Fluid(_without_doubles(face for body in bodies for face in body.faces)[0])
+        faces = _without_doubles(face for body in bodies for face in body.faces)[0]
+        return Fluid(faces, bodies=tuple(body.number for body in bodies))
 
     def _named(self, bodies: list[_Body], name: str) -> Fluid:
         found = [body for body in bodies if name in body.names]
@@ -249,10 +253,9 @@ class _Chooser:
 
     def left_out(self, faces: Sequence[BrepFace]) -> tuple[str, ...]:
         """A line on faces that do not bound the fluid."""
-        bare = [face for face in faces if len(edge_points(face))]
-        if not bare:
+        if not faces:
             return ()
-        points = edge_points(bare[0]) / self.unit.millimetres
+        points = edge_points(faces[0]) / self.unit.millimetres
         place = ", ".join(f"{x:.4g}" for x in _rounded(points.min(axis=0), points.max(axis=0)))
         count = "1 face bounds" if len(faces) == 1 else f"{len(faces)} faces bound"
         return (

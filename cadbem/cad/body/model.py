@@ -49,6 +49,8 @@ class CadModel:
     warnings: tuple[str, ...] = ()  # what `read_cad` warns about
     question: str = ""  # what the file leaves open, see `fluid` of `read_cad`
     refusals: tuple[str, ...] = ()  # what in the file contradicts itself
+    bodies: tuple[int, ...] = ()  # solids of the record (from 1) that are the fluid
+    caps: frozenset[int] = frozenset()  # numbers of faces that the file does not have
 
     def patches(self, face: BrepFace, tolerance: float) -> tuple[list[Patch], float]:
         """The face's patches and their largest deviation from it, in the file's unit.
@@ -163,7 +165,7 @@ def open_model(
     called = chosen(matched, names) | found.ports
     return CadModel(
         source.name, unit, faces, called, kernel, matched, tuple(warnings), found.question,
-        tuple(refusals),
+        tuple(refusals), found.bodies, found.caps,
     )  # fmt: skip
 
 

@@ -29,6 +29,7 @@ def main(task: str, source: str, folder: str, option: str) -> None:
             found |= _prepared(gmsh, option)
             if found["faces"]:
                 gmsh.write(str(Path(folder, "model.brep")))
+                found |= _beside("_witness")["measured"](gmsh)
         elif len(found["solids"]) == 1:
             _mesh(gmsh, float(option), Path(folder, "mesh.npz"))
     except Exception as error:  # whatever the kernel throws, the parent words it
