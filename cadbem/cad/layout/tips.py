@@ -9,11 +9,11 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from cadbem.cad.layout.parts import Part, collapsed
+from cadbem.cad.layout.parts import CUSP, Part, collapsed
 from cadbem.cad.layout.region import BorderPoint, Region
 from cadbem.cad.layout.trimming_curves import TrimmingCurve
 
-SHARP = np.radians(3)  # corner that is a tip
+SHARP = np.radians(3)  # corner that is a tip; lunes, of two curves, have others up to `CUSP`
 SHARES = (0.45, 0.3, 0.15, 0.05)  # of the shorter curve at a tip, tried as its length
 
 
@@ -40,7 +40,8 @@ def _cut_tip(region: Region) -> tuple[Part, list[Region]] | None:
         before = k - 1 if k > same[0] else int(same[-1])
         after, ahead = region.trims[k], region.trims[before].reversed()
         curved = not (after.is_straight and ahead.is_straight)
-        if len(same) < 3 or angle > SHARP or not curved or after.is_degenerate:
+        limit = SHARP if len(same) > 2 else CUSP
+        if len(same) < 2 or angle > limit or not curved or after.is_degenerate:
             continue
         for share in SHARES:
             length = share * min(after.length, ahead.length)
