@@ -4,10 +4,13 @@ from math import acos, pi, sqrt
 from pathlib import Path
 
 import gmsh
+import numpy as np
 import pytest
 from drawn import exported
 
 from cadbem.cad import read_cad
+from cadbem.problems.developed import rim
+from cadbem.spline.nurbs import Nurbs
 
 occ = gmsh.model.occ
 
@@ -81,3 +84,12 @@ def test_a_triangle_on_a_curved_wall(folder: Path):
     boundary = read_cad(exported(folder / "ungula.step"))
     assert boundary.volume() == pytest.approx(0.2 / 3, rel=1e-6)
     assert boundary.area() == pytest.approx(pi / 4 * (1 + sqrt(1.04)) + 0.2 + 0.1, rel=1e-6)
+
+
+def test_a_pole_is_no_edge_of_an_opening():
+    """A triangle as a patch with one side of length 0: its rim has the sides 3, 4 and 5."""
+    corners = np.array([[[0.0, 0], [0, 0]], [[3, 0], [3, 4]]])
+    knots = np.array([0.0, 0, 1, 1])
+    edges = rim([Nurbs((1, 1), (knots, knots), corners, np.ones((2, 2)))])
+    lengths = [np.linalg.norm(np.diff(edge.points, axis=0)) for edge in edges]
+    assert sorted(lengths) == pytest.approx([3, 4, 5])

@@ -39,9 +39,10 @@ def read_cad(
     - "material": the only solid, without its cavities.
     - the name of a STEP closed shell inside a solid: the room inside that shell.
     - "all": all solids together; faces that two of them share are left out.
-    - "void": the room that the solids leave of the box of their corners, closed cavities too. Flat
-      faces in the box's sides are called port_1, port_2, ... by x, then y, then z of their middles.
-      If there are several such rooms, "void 1", "void 2", ...: large ones first.
+    - "void": the room in the solids, closed cavities too. Its mouths, rings of edges at the ends
+      of bores, are capped, and called port_1, port_2, ... by x, then y, then z of their middles.
+      If there are several such rooms, "void 1", "void 2", ...: large ones first. Where no mouth is
+      found it is the room that solids leave of the box of their corners, with ports in its sides.
 
     Coordinates are in the file's own unit, normals point into the fluid. Patches are called what
     the file calls their faces (`names="names"`: STEP's name of the face, IGES's entity label), by

@@ -45,10 +45,10 @@ def _cut_tip(region: Region) -> tuple[Part, list[Region]] | None:
             continue
         for share in SHARES:
             length = share * min(after.length, ahead.length)
-            ends = [_at_distance(trim, length) for trim in (after, ahead)]
-            if None in ends:
+            first, last = (_at_distance(trim, length) for trim in (after, ahead))
+            if first is None or last is None:
                 continue
-            cut = region.cut(BorderPoint(k, ends[0]), BorderPoint(before, 1 - ends[1]))
+            cut = region.cut(BorderPoint(k, first), BorderPoint(before, 1 - last))
             tip = min(cut, key=lambda part: abs(part.area))
             part = collapsed(tip.loops[0]) if len(cut) == 2 and len(tip.loops) == 1 else None
             if part is not None:
