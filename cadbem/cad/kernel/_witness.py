@@ -8,6 +8,7 @@ def measured(gmsh) -> dict:
     their corners, and the volume of each solid; mm."""
     import numpy as np
 
+    gmsh.option.setNumber("General.Verbosity", 0)  # nothing that concerns the file
     gmsh.model.mesh.importStl()
     faces = []
     for _, tag in gmsh.model.getEntities(2):

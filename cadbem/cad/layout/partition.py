@@ -40,6 +40,9 @@ def divided(region: Region) -> list[Part] | None:
 
     Every part covers its area once: its quality is at least `POOR`.
     """
+    whole = collapsed(region.loops[0]) if len(region.loops) == 1 else None
+    if whole and whole.quality >= DRAWN:
+        return [whole]
     parts, rest = without_tips(region)
     for left in rest:
         found = _divided(left, _Search(TRIALS), MOST_PARTS)
