@@ -9,7 +9,9 @@ from warnings import warn
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.body.crossings import find_crossing
 from cadbem.cad.body.model import CadModel, open_model
+from cadbem.cad.body.witness import disagreements
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.errors import CadError, CadWarning
 from cadbem.progress import progress, stage
@@ -37,9 +39,10 @@ def read_cad(
     - "material": the only solid, without its cavities.
     - the name of a STEP closed shell inside a solid: the room inside that shell.
     - "all": all solids together; faces that two of them share are left out.
-    - "void": the room that the solids leave of the box of their corners, closed cavities too. Flat
-      faces in the box's sides are called port_1, port_2, ... by x, then y, then z of their middles.
-      If there are several such rooms, "void 1", "void 2", ...: large ones first.
+    - "void": the room in the solids, closed cavities too. Its mouths, rings of edges at the ends
+      of bores, are capped, and called port_1, port_2, ... by x, then y, then z of their middles.
+      If there are several such rooms, "void 1", "void 2", ...: large ones first. Where no mouth is
+      found it is the room that solids leave of the box of their corners, with ports in its sides.
 
     Coordinates are in the file's own unit, normals point into the fluid. Patches are called what
     the file calls their faces (`names="names"`: STEP's name of the face, IGES's entity label), by
@@ -58,7 +61,11 @@ def read_cad(
         for warning in model.warnings:
             warn(warning, CadWarning, stacklevel=2)
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
-        return oriented(boundary)
+        boundary = oriented(boundary)
+        check_crossings(model, boundary)
+        for warning in disagreements(model, boundary):
+            warn(warning, CadWarning, stacklevel=2)
+        return boundary
 
 
 def oriented(boundary: Boundary) -> Boundary:
@@ -82,6 +89,19 @@ def oriented(boundary: Boundary) -> Boundary:
         return boundary
     turned = [replace(patch, surface=patch.surface.swapped()) for patch in boundary.patches]
     return replace(boundary, patches=tuple(turned))
+
+
+def check_crossings(model: CadModel, boundary: Boundary) -> None:
+    """Raises CadError with faces and place if patches cross each other or themselves."""
+    crossing = find_crossing(boundary.patches)
+    if crossing is None:
+        return
+    first, second = (boundary.patches[k].face for k in crossing.patches)
+    who = f"faces {first} and {second} cross" if first != second else f"face {first} crosses itself"
+    raise CadError(
+        f"{model.file}: {who} at {model.place(crossing.place)}; "
+        "cut or unite what overlaps in the CAD program"
+    )
 
 
 def _all_patches(model: CadModel, tolerance: float) -> list[Patch]:

@@ -13,6 +13,7 @@ import numpy as np
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.body.gaps import largest_distance
 from cadbem.cad.body.model import CadModel
+from cadbem.cad.body.witness import disagreements
 from cadbem.cad.faces.face_geometry import edge_points, points_on
 from cadbem.cad.faces.flux import face_area, face_flux
 from cadbem.cad.kernel.brep import BrepFace
@@ -102,7 +103,9 @@ def inspect_cad(
     area = volume = gap = nan
     if not refused:
         area, gap = sum(r.area for r in reports), _largest_gap(model, survey.patches)
+    witnessed: list[str] = []
     if not survey.problems:
+        witnessed = disagreements(model, survey.boundary)
         volume = _converged(survey.boundary.volume)
     return CadReport(
         file=model.file,
@@ -115,7 +118,7 @@ def inspect_cad(
         bounds=_bounds(model, survey.boundary.patches),
         gap=gap,
         problems=survey.problems,
-        remarks=(*model.warnings, *_relaxed(survey, tolerance), *model.kernel.log),
+        remarks=(*model.warnings, *_relaxed(survey, tolerance), *witnessed, *model.kernel.log),
         defects=refused | model.defective_faces(),
     )
 

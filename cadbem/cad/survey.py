@@ -8,7 +8,7 @@ from pathlib import Path
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.layout.face_patches import TOLERANCE
-from cadbem.cad.read import oriented
+from cadbem.cad.read import check_crossings, oriented
 from cadbem.errors import CadError
 from cadbem.progress import progress
 
@@ -64,6 +64,7 @@ def survey_cad(
     if not problems:
         try:
             boundary = oriented(boundary)
+            check_crossings(model, boundary)
         except CadError as error:
             problems.append(str(error))
     return CadSurvey(model, patches, deviations, refused, boundary, tuple(problems))

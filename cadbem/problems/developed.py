@@ -48,10 +48,11 @@ def developed_profile(
 
 
 def rim(surfaces: Sequence[Nurbs]) -> list[Nurbs]:
-    """Outer edges of surfaces in the plane, each with the surface to its right."""
+    """Outer edges of surfaces in the plane, each with the surface to its right; poles are none."""
     edges = [edge for surface in surfaces for edge in surface.edges()]
+    size = float(np.ptp(np.concatenate([edge.points for edge in edges]), axis=0).max())
+    edges = [edge for edge in edges if np.ptp(edge.points, axis=0).max() > SAME * size]
     marks = np.array([_mark(e) for e in edges])
-    size = float(np.ptp(marks.reshape(-1, 2), axis=0).max())
     gaps = np.abs(marks[:, None] - marks[None]).max(axis=(2, 3))
     np.fill_diagonal(gaps, np.inf)
     unpaired = gaps.min(axis=1) > SAME * size

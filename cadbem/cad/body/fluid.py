@@ -5,12 +5,13 @@ from __future__ import annotations
 import re
 from collections import Counter, defaultdict
 from collections.abc import Iterable, Sequence, Sized
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from cadbem.cad.body.orientation import Shell, shells_of
 from cadbem.cad.body.ports import Ports
+from cadbem.cad.body.rooms import Fluid, room_between
 from cadbem.cad.faces.face_geometry import edge_points
 from cadbem.cad.kernel.brep import BrepFace
 from cadbem.cad.kernel.process import KernelModel
@@ -22,20 +23,6 @@ from cadbem.spline.basis import Array
 
 LISTED = 5  # choices that a question spells out
 _UNSAID = re.compile(r"|Open CASCADE STEP translator.*|SOLID|COMPOUND|=>\[.*\]|NONE")
-
-
-@dataclass(frozen=True, eq=False)
-class Fluid:
-    """The faces round the fluid, normals (`outward` times ∂u × ∂v) out of it.
-
-    If the file leaves a choice, `question` asks for it and `faces` are those of all candidates.
-    `ports` are names of faces by number.
-    """
-
-    faces: tuple[BrepFace, ...]
-    question: str = ""
-    ports: dict[int, str] = field(default_factory=dict)
-    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,12 +74,20 @@ def choose_fluid(
         if face.outward:
             solids[face.solid].append(face)
     loose = solids.pop(0, [])
+    if solids and room_of(fluid) == "void" and not kernel.box:
+        return room_between(source.name, unit, _material(solids), str(fluid))
     chooser = _Chooser(source, unit, kernel, solids)
     if not solids:
         return chooser.without_solid(loose, fluid)
     stray = [*loose, *(face for face in faces if not face.outward)]
     found = chooser.chosen(fluid)
     return replace(found, warnings=(*found.warnings, *chooser.left_out(stray)))
+
+
+def _material(solids: dict[int, list[BrepFace]]) -> tuple[BrepFace, ...]:
+    """Faces of all solids, normals out of the material, without those that two of them share."""
+    shells = [shell for faces in solids.values() for shell in shells_of(faces)]
+    return _without_doubles(face for shell in shells for face in shell.faces)[0]
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,10 +143,11 @@ class _Chooser:
 
     def _one(self, body: _Body) -> Fluid:
         faces, doubled = _without_doubles(body.faces)
-        return Fluid(faces, warnings=self.left_out(doubled))
+        return Fluid(faces, warnings=self.left_out(doubled), bodies=(body.number,))
 
     def _together(self, bodies: list[_Body]) -> Fluid:
-        return Fluid(_without_doubles(face for body in bodies for face in body.faces)[0])
+        faces = _without_doubles(face for body in bodies for face in body.faces)[0]
+        return Fluid(faces, bodies=tuple(body.number for body in bodies))
 
     def _named(self, bodies: list[_Body], name: str) -> Fluid:
         found = [body for body in bodies if name in body.names]
@@ -249,10 +245,9 @@ class _Chooser:
 
     def left_out(self, faces: Sequence[BrepFace]) -> tuple[str, ...]:
         """A line on faces that do not bound the fluid."""
-        bare = [face for face in faces if len(edge_points(face))]
-        if not bare:
+        if not faces:
             return ()
-        points = edge_points(bare[0]) / self.unit.millimetres
+        points = edge_points(faces[0]) / self.unit.millimetres
         place = ", ".join(f"{x:.4g}" for x in _rounded(points.min(axis=0), points.max(axis=0)))
         count = "1 face bounds" if len(faces) == 1 else f"{len(faces)} faces bound"
         return (

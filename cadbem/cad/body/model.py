@@ -49,6 +49,8 @@ class CadModel:
     warnings: tuple[str, ...] = ()  # what `read_cad` warns about
     question: str = ""  # what the file leaves open, see `fluid` of `read_cad`
     refusals: tuple[str, ...] = ()  # what in the file contradicts itself
+    bodies: tuple[int, ...] = ()  # solids of the record (from 1) that are the fluid
+    caps: frozenset[int] = frozenset()  # numbers of faces that the file does not have
 
     def patches(self, face: BrepFace, tolerance: float) -> tuple[list[Patch], float]:
         """The face's patches and their largest deviation from it, in the file's unit.
@@ -137,7 +139,11 @@ def open_model(
     room = room_of(fluid)
     source = read_source(path)
     unit, labels, remarks = _text_marks(source)
-    kernel = import_model(source, time_limit, room)
+    kernel = import_model(source, time_limit, "all" if room == "void" else room)
+    everything = read_brep(kernel.brep) if kernel.faces else []
+    found = choose_fluid(source, unit, kernel, everything, fluid) if everything else None
+    if room == "void" and not (found and found.faces):  # no mouths: the room in the solids' box
+        kernel, found = import_model(source, time_limit, room), None
     if kernel.box and kernel.faces == 0:
         raise CadError(f"{source.name}: the solids fill their box, there is no void in them")
     if kernel.faces == 0:
@@ -145,12 +151,12 @@ def open_model(
         raise CadError(
             f"{source.name}: no faces{curves}; export the fluid's space as a solid or as surfaces"
         )
-    everything = read_brep(kernel.brep)
+    everything = everything if found else read_brep(kernel.brep)
     _check_size(source.name, tuple(everything))
     points = [edge_points(face) for face in everything]
     extent = np.reshape(kernel.box, (2, 3)) if kernel.box else np.concatenate(points)
     _check_unit(source.name, unit, labels, extent)
-    found = choose_fluid(source, unit, kernel, everything, fluid)
+    found = found or choose_fluid(source, unit, kernel, everything, fluid)
     faces = found.faces
     doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_labels(labels, list(faces), unit)
@@ -163,7 +169,7 @@ def open_model(
     called = chosen(matched, names) | found.ports
     return CadModel(
         source.name, unit, faces, called, kernel, matched, tuple(warnings), found.question,
-        tuple(refusals),
+        tuple(refusals), found.bodies, found.caps,
     )  # fmt: skip
 
 

@@ -118,7 +118,10 @@ def _clamped(
     degree, knots = record.degrees[axis], record.knots[axis]
     if record.periodic[axis]:
         knots, control = _unrolled(degree, knots, control, interval)
-    low, high = (_snapped(knots, end) for end in interval)
+    limits = float(knots[degree]), float(knots[-degree - 1])
+    low, high = (min(max(_snapped(knots, end), limits[0]), limits[1]) for end in interval)
+    if low >= high:
+        raise CadError("an edge runs outside the curve that it lies on; export it again")
     for end in (low, high):
         for _ in range(degree - int((knots == end).sum())):
             knots, control = _with_knot(degree, knots, control, end)

@@ -15,14 +15,6 @@ import sys
 from pathlib import Path
 from runpy import run_path
 
-SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
-SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
-REMEDIES = (
-    {"fixSmallFaces": True},
-    {"fixSmallEdges": True, "sewFaces": True},
-    {"fixSmallEdges": True, "fixSmallFaces": True, "sewFaces": True},
-)
-
 
 def main(task: str, source: str, folder: str, option: str) -> None:
     import gmsh
@@ -37,6 +29,7 @@ def main(task: str, source: str, folder: str, option: str) -> None:
             found |= _prepared(gmsh, option)
             if found["faces"]:
                 gmsh.write(str(Path(folder, "model.brep")))
+                found |= _beside("_witness")["measured"](gmsh)
         elif len(found["solids"]) == 1:
             _mesh(gmsh, float(option), Path(folder, "mesh.npz"))
     except Exception as error:  # whatever the kernel throws, the parent words it
@@ -46,12 +39,13 @@ def main(task: str, source: str, folder: str, option: str) -> None:
 
 
 def _import(gmsh, source: str) -> dict:
-    _load(gmsh, source)
-    sewing = 0.0
-    if gmsh.model.getEntities(2) and not gmsh.model.getEntities(3):
-        sewing = _sew(gmsh, source)
-    healed = _repair(gmsh, source, sewing) if gmsh.model.getEntities(3) else []
-    return _found(gmsh) | {"sewn": sewing > 0, "healed": healed}
+    found = _beside("_joining")["imported"](gmsh, source)
+    return _found(gmsh) | found
+
+
+def _beside(name: str) -> dict:
+    """The names of another part of the child."""
+    return run_path(str(Path(__file__).with_name(f"{name}.py")))
 
 
 def _found(gmsh) -> dict:
@@ -60,107 +54,6 @@ def _found(gmsh) -> dict:
         "curves": len(gmsh.model.getEntities(1)),
         "solids": [gmsh.model.getEntityName(*solid) for solid in gmsh.model.getEntities(3)],
     }
-
-
-def _load(gmsh, source: str) -> None:
-    gmsh.clear()
-    gmsh.model.occ.importShapes(source, highestDimOnly=False)
-    gmsh.model.occ.synchronize()
-
-
-def _heal(gmsh, source: str, tolerance: float, remedies: dict) -> None:
-    """The file read again, and healed as a whole: given one by one, faces would not be joined."""
-    _load(gmsh, source)
-    off = dict.fromkeys(("fixDegenerated", "fixSmallEdges", "fixSmallFaces", "sewFaces"), False)
-    if any(remedies.values()):
-        gmsh.model.occ.healShapes([], tolerance=tolerance, makeSolids=True, **(off | remedies))
-        gmsh.model.occ.synchronize()
-
-
-def _size(gmsh) -> float:
-    box = gmsh.model.getBoundingBox(-1, -1)
-    return max(high - low for low, high in zip(box[:3], box[3:], strict=True))
-
-
-# Sewing and repair: only what is needed, and only if it makes nothing worse
-
-
-def _sew(gmsh, source: str) -> float:
-    """Join loose faces into solids, or at least to each other. The smallest tolerance (returned)
-    that does best is taken, 0 if faces are as well off as they were."""
-    size = _size(gmsh)
-    found = [(_looseness(gmsh), 0.0)]
-    for tolerance in SEWING:
-        _heal(gmsh, source, tolerance * size, {"sewFaces": True})
-        found.append((_looseness(gmsh), tolerance * size))
-        if gmsh.model.getEntities(3) and not _loose_faces(gmsh):
-            break
-    best = min(found)[1]
-    _heal(gmsh, source, best, {"sewFaces": best > 0})
-    return best
-
-
-def _looseness(gmsh) -> tuple[bool, int, int]:
-    """Whether there is no solid, faces of none, edges of one face: seams, too."""
-    alone = sum(
-        len(gmsh.model.getAdjacencies(1, tag)[0]) == 1 for _, tag in gmsh.model.getEntities(1)
-    )
-    return not gmsh.model.getEntities(3), _loose_faces(gmsh), alone
-
-
-def _loose_faces(gmsh) -> int:
-    faces = gmsh.model.getEntities(2)
-    return sum(not len(gmsh.model.getAdjacencies(2, tag)[0]) for _, tag in faces)
-
-
-def _repair(gmsh, source: str, sewing: float) -> list[str]:
-    """Remove edges and faces that are too small to be meant; [] if there are none, or if no
-    remedy leaves a model that is as good. `sewing` is the tolerance it has been sewn with, or 0."""
-    tolerance = SMALL * _size(gmsh)
-    before = _health(gmsh, tolerance)
-    if not before["short"] + before["narrow"]:
-        return []
-    sewn = {"sewFaces": sewing > 0}
-    for remedies in REMEDIES:
-        _heal(gmsh, source, max(tolerance, sewing), sewn | remedies)
-        after = _health(gmsh, tolerance)
-        if _is_better(before, after, tolerance):
-            counts = (f"{before[what]} {what} became {after[what]}" for what in ("faces", "edges"))
-            return [
-                f"{before['short']} edges shorter and {before['narrow']} faces narrower than "
-                f"{tolerance:.1g} mm were removed ({', '.join(counts)})"
-            ]
-    _heal(gmsh, source, sewing, sewn)
-    return []
-
-
-def _health(gmsh, tolerance: float) -> dict:
-    """Counts, volume and area of the model, and of what is smaller than the tolerance."""
-    occ, model = gmsh.model.occ, gmsh.model
-    lengths = {tag: occ.getMass(1, tag) for _, tag in model.getEntities(1)}
-    areas = {tag: occ.getMass(2, tag) for _, tag in model.getEntities(2)}
-    uses = {tag: model.getAdjacencies(1, tag)[0] for tag in lengths}
-    borders = {tag: model.getAdjacencies(2, tag)[1] for tag in areas}
-    short = [t for t, x in lengths.items() if x < tolerance and model.getType(1, t) != "Unknown"]
-    perimeters = {tag: sum(lengths[edge] for edge in edges) for tag, edges in borders.items()}
-    return {
-        "solids": len(model.getEntities(3)),
-        "faces": len(areas),
-        "edges": len(lengths),
-        "alone": sum(len(faces) == 1 for faces in uses.values()),
-        "short": len(short),
-        "narrow": sum(2 * area < tolerance * perimeters[t] for t, area in areas.items()),
-        "area": sum(areas.values()),
-        "volume": sum(occ.getMass(3, tag) for _, tag in model.getEntities(3)),
-    }
-
-
-def _is_better(before: dict, after: dict, tolerance: float) -> bool:
-    """Whether nothing small is left and nothing else is lost: a layer as thick as the tolerance."""
-    fewer = all(after[what] <= before[what] for what in ("faces", "edges", "alone"))
-    same = after["solids"] == before["solids"]
-    kept = abs(after["volume"] - before["volume"]) <= tolerance * before["area"]
-    return fewer and same and kept and not after["short"] + after["narrow"]
 
 
 # The fluid's room
@@ -174,8 +67,7 @@ def _prepared(gmsh, room: str) -> dict:
         gmsh.model.occ.synchronize()
         return _found(gmsh)
     if room == "void" and solids:
-        room_box = run_path(str(Path(__file__).with_name("_surrounding_box.py")))["room_box"]
-        box, flat = room_box(gmsh, solids)
+        box, flat = _beside("_surrounding_box")["room_box"](gmsh, solids)
         sides = [high - low for low, high in zip(box[:3], box[3:], strict=True)]
         gmsh.model.occ.cut([(3, gmsh.model.occ.addBox(*box[:3], *sides))], solids)
         gmsh.model.occ.synchronize()
@@ -190,7 +82,8 @@ def _section(gmsh, source: str, plane: str) -> dict:
     """The faces in which solids meet a plane (a point and the normal, JSON, mm); without a plane
     those that closed wires bound, one each, and the ends of wires that are open."""
     occ, model = gmsh.model.occ, gmsh.model
-    _load(gmsh, source)
+    gmsh.model.occ.importShapes(source, highestDimOnly=False)
+    occ.synchronize()
     if plane:
         solids = model.getEntities(3)
         occ.intersect([(2, _plane_face(gmsh, *json.loads(plane)))], solids)

@@ -109,7 +109,8 @@ def _read_locations(tokens: Tokens) -> list[np.ndarray]:
             matrix[:3] = tokens.numbers(12).reshape(3, 4)
         else:
             while (index := tokens.integer()) != 0:
-                matrix = matrix @ np.linalg.matrix_power(locations[index], tokens.integer())
+                # the kernel writes the innermost placement first
+                matrix = np.linalg.matrix_power(locations[index], tokens.integer()) @ matrix
         locations.append(matrix)
     return locations
 

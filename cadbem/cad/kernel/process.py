@@ -25,7 +25,8 @@ class KernelModel:
     `solids` are the names of the solids, in the order of the record. `healed` says in words what
     was repaired, beyond joining faces within the file's digits. `box` (min and max corner, mm) is
     the one that solids were taken from, () unless that was requested; `flat` says which of its six
-    sides are sides of the solids.
+    sides are sides of the solids. `measures` are area and middle (4 numbers) of each face by the
+    kernel's own triangles, in any order, `volumes` those of the solids; mm.
     """
 
     brep: str
@@ -37,6 +38,8 @@ class KernelModel:
     healed: tuple[str, ...] = ()
     box: tuple[float, ...] = ()
     flat: tuple[bool, ...] = ()
+    measures: tuple[tuple[float, ...], ...] = ()
+    volumes: tuple[float, ...] = ()
 
 
 def import_model(source: CadSource, time_limit: float, room: str = "solid") -> KernelModel:
@@ -53,6 +56,7 @@ def import_model(source: CadSource, time_limit: float, room: str = "solid") -> K
     return KernelModel(
         brep, found["faces"], found["curves"], found["sewn"], tuple(found["solids"]), log,
         tuple(found["healed"]), tuple(found.get("box", ())), tuple(found.get("flat", ())),
+        tuple(map(tuple, found.get("measures", ()))), tuple(found.get("volumes", ())),
     )  # fmt: skip
 
 

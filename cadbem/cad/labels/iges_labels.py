@@ -113,9 +113,10 @@ class IgesText:
         for entity in self._entities.values():
             if entity.kind in (_TRIMMED, _BOUNDED):
                 surface = self._entities[entity.reference(1 if entity.kind == _TRIMMED else 2)]
-                loops = [self._edges(loop) for loop in self._loops(entity)]
-                for loop, loop_edges in zip(self._loops(entity), loops, strict=True):
-                    _check_closed(loop_edges, f"curve {loop}")
+                around = self._loops(entity)
+                loops = [[edge for c in loop for edge in self._edges(c)] for loop in around]
+                for loop, loop_edges in zip(around, loops, strict=True):
+                    _check_closed(loop_edges, f"curve {loop[0]}")
                 edges = [edge for loop_edges in loops for edge in loop_edges]
                 corners = np.array([point for edge in edges for point in edge[:2]]).reshape(-1, 3)
                 middles = np.array([edge[2] for edge in edges]).reshape(-1, 3)
@@ -136,18 +137,20 @@ class IgesText:
             return _COLOURS[colour]
         return colour_code(*self._entities[-colour].numbers(1, 3) / 100)
 
-    def _loops(self, face: _Entity) -> list[int]:
-        """Model-space curves round the face."""
+    def _loops(self, face: _Entity) -> list[list[int]]:
+        """Model-space curves round the face; a boundary may list those of its loop one by one."""
         if face.kind == _TRIMMED:
             count = face.reference(3) + 1
             curves = [face.reference(4 + k) for k in range(count)]
-            return [self._entities[c].reference(4) for c in curves if c]
+            return [[self._entities[c].reference(4)] for c in curves if c]
         loops = []
         for k in range(face.reference(3)):
             boundary, position = self._entities[face.reference(4 + k)], 5
+            loop = []
             for _ in range(boundary.reference(4)):
-                loops.append(boundary.reference(position))
+                loop.append(boundary.reference(position))
                 position += 3 + boundary.reference(position + 2)
+            loops += [loop] if loop else []
         return loops
 
     def _edges(self, number: int) -> list[_Edge]:

@@ -96,7 +96,9 @@ class SurfaceChart:
         low, high = corners.min(axis=0), corners.max(axis=0)
         straight = all(len(side) == 1 and side[0].is_straight for side in part.sides)
         on_box = np.minimum(np.abs(corners - low), np.abs(corners - high)) < FLAT * (high - low)
-        if not (straight and on_box.all()) or self.face.surface.basis is not None:
+        distinct = len(set(map(tuple, (corners > 0.5 * (low + high)).tolist()))) == 4
+        fills = straight and bool(on_box.all()) and distinct  # a triangle has but three
+        if not fills or self.face.surface.basis is not None:
             return None
         ends = np.stack([low, high]) / self.scale
         limits = np.array([self.surface.u, self.surface.v]).T

@@ -17,6 +17,7 @@ from cadbem.cad.layout.cuts import best_cuts
 from cadbem.cad.layout.parts import POOR, Part, collapsed, four_sided
 from cadbem.cad.layout.patterns import patterns
 from cadbem.cad.layout.region import Region
+from cadbem.cad.layout.tips import without_tips
 
 DRAWN = 0.2  # quality above which a face that was drawn with four sides is left whole
 GOOD = 0.5  # quality above which fewer parts are better than better ones
@@ -39,7 +40,15 @@ def divided(region: Region) -> list[Part] | None:
 
     Every part covers its area once: its quality is at least `POOR`.
     """
-    parts = _divided(region, _Search(TRIALS), MOST_PARTS)
+    whole = collapsed(region.loops[0]) if len(region.loops) == 1 else None
+    if whole and whole.quality >= DRAWN:
+        return [whole]
+    parts, rest = without_tips(region)
+    for left in rest:
+        found = _divided(left, _Search(TRIALS), MOST_PARTS)
+        if not found:
+            return None
+        parts += found
     return parts if parts and _worst(parts) >= POOR else None
 
 

@@ -75,9 +75,9 @@ def collapsed(loop: Loop) -> Part | None:
     sharpest = int(np.argmin(angles[corners]))
     if angles[corners[sharpest]] > CUSP:
         return None
-    first, second, third = np.roll(corners, -sharpest).tolist()
-    ends = [first, second, third, first + len(loop)]
-    ends = np.unwrap(ends, period=len(loop)).astype(int).tolist()
+    first = int(corners[sharpest])
+    steps = np.sort((corners - first) % len(loop))  # 0, then the other two corners
+    ends = [*(first + steps).tolist(), first + len(loop)]
     sides = [tuple(loop[k % len(loop)] for k in range(a, b)) for a, b in pairwise(ends)]
     point = sides[0][0].samples[:, 0]
     return part_of([(line(point, point),), *sides])
