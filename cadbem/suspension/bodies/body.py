@@ -25,7 +25,7 @@ from cadbem.suspension.interface.motion import Motion
 from cadbem.suspension.interface.volume import CorrectVolume
 
 ContactPressure = Callable[[Array], Array]  # contact pressure (M,) at points (dim, M)
-Densities = tuple[Array | None, Array | None]  # coefficients of a single and a double layer
+Densities = tuple[Array | None, Array | None]  # of a single and a double layer
 NOTHING: Densities = (None, None)
 
 

@@ -203,8 +203,8 @@ class PlacedDroplet:
 @dataclass(frozen=True, eq=False)
 class Response:
     """An interface's ``velocity``, coefficients (dim, *shape), the ``jump`` that goes with it, the
-    ``densities`` of all layers of the droplet outside it, the equations' ``unknown``, and the
-    number of ``iterations`` that they took."""
+    ``densities`` of all layers of the droplet outside it (values at the nodes, coefficients), the
+    equations' ``unknown``, and the number of ``iterations`` that they took."""
 
     velocity: Array
     jump: Jump
@@ -235,13 +235,13 @@ class _Equation:
     contact_pressure: ContactPressure | None
     viscosity: float
 
-    def _whole_jump(self, points: ClosedPoints) -> Array:
-        """The interface's jump with the contact pressure: a force F on the interface is a jump
-        of -F."""
+    def _density(self, points: ClosedPoints) -> Array:
+        """-Δf / μ (dim, K), with the contact pressure in the jump: a force F on the interface is a
+        jump of -F."""
         jump = self.jump(points)
-        if self.contact_pressure is None:
-            return jump
-        return jump + self.contact_pressure(points.position) * points.normal
+        if self.contact_pressure is not None:
+            jump = jump + self.contact_pressure(points.position) * points.normal
+        return jump / -self.viscosity
 
     @property
     def couples(self) -> bool:
@@ -249,14 +249,13 @@ class _Equation:
 
     @cached_property
     def fixed_densities(self) -> Densities:
-        layers = self.interface.layers
-        basis = layers.operator.basis
-        jump = self._whole_jump(layers.targets).reshape(-1, *basis.shape)
-        return basis.fit(jump) / -self.viscosity, None
+        return self._density(self.interface.layers.points), None
 
     @cached_property
     def right_side(self) -> Array:
-        return self.interface.right_of_jump(self._whole_jump, self.viscosity)
+        single, _ = self.fixed_densities
+        assert single is not None
+        return self.interface.right_of_layer(single, self._density(self.interface.layers.targets))
 
     def incident_term(self, incident: Array) -> Array:
         return self.interface.right(incident)
