@@ -22,6 +22,7 @@ from cadbem.suspension.interface.equation import InterfaceEquation
 from cadbem.suspension.interface.laws import InterfaceLaw, Jump
 from cadbem.suspension.interface.mesh import RelaxMesh, stretches, unresolved
 from cadbem.suspension.interface.motion import Motion
+from cadbem.suspension.interface.resolution import Resolution, resolution, shape_uncertainty
 from cadbem.suspension.interface.volume import CorrectVolume, centre, volume
 
 RATE_MARGIN = 1.15  # of the fastest relaxation: splines make short waves a little stiffer
@@ -174,6 +175,15 @@ class PlacedDroplet:
         """Mean distance of the collocation points."""
         area, count = float(self.layers.weights.sum()), self.layers.operator.basis.count
         return (area / count) ** (1 / (self.body.dimension - 1))
+
+    @cached_property
+    def uncertainty(self) -> float:
+        """By how much the surface may be displaced, as far as the decay of its waves tells."""
+        return float(shape_uncertainty(self.body.shape).max())
+
+    def resolution(self, velocity: Array, viscosity: float) -> Resolution:
+        """How well the points resolve the shape, and a velocity with coefficients (dim, *shape)."""
+        return resolution(self.layers, velocity, self.fastest(viscosity))
 
     def distance(self, points: Array) -> Array:
         """Distance (M,) of points (dim, M) from the surface, negative inside."""
