@@ -33,7 +33,8 @@ class PolarRule:
     """Windowed polar integration; ``tolerance`` relative to the kernel's own integral.
 
     ``refinement``: nodes of the grid per collocation point, in the direction in which these are
-    closest together on the unit sphere; even, so that no node is a target.  For shapes that are stretched unevenly it should be higher: see ``suited``.
+    closest together on the unit sphere; even, so that no node is a target.  For shapes that are
+    stretched unevenly it should be higher: see ``suited``.
     """
 
     tolerance: float = 1e-5

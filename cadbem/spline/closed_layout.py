@@ -21,9 +21,9 @@ def interpolation_error(degree: int, share: Array) -> Array:
     """Relative error of the spline through equidistant values of a wave, in the mean.
 
     ``share`` (K,) of a wave among n points is k / n, at most 1/2.  The spline through the values of
-    exp(ikx) is Σ_j w_j exp(i(k + jn)x) / Σ_j w_j with w_j = (k / (k + jn))^(degree + 1), because the
-    spline's spectrum falls like that of its B-splines; what is too much at j = -1 is missing
-    at j = 0, so that the error is about √2 |w_-1|.  It is at most 1 here, the wave itself.
+    exp(ikx) is Σ_j w_j exp(i(k + jn)x) / Σ_j w_j with w_j = (k / (k + jn))^(degree + 1), as its
+    spectrum falls like that of its B-splines; what is too much at j = -1 is missing at j = 0, so
+    that the error is about √2 |w_-1|.  It is at most 1 here, the wave itself.
     """
     known = np.minimum(np.abs(share), 0.5)
     return np.minimum(np.sqrt(2) * (known / (1 - known)) ** (degree + 1), 1.0)
@@ -45,7 +45,7 @@ def spline_residuals(basis: ClosedBasis, coefficients: Array) -> Array:
     found = []
     for axis, count in enumerate(power.shape):
         others = tuple(a for a in range(power.ndim) if a != axis)
-        errors = interpolation_error(basis.degree, np.fft.fftfreq(count))
+        errors = interpolation_error(basis.degree, np.fft.fftfreq(count).astype(float))
         found.append(np.sqrt((power.sum(axis=others) * errors**2).sum()))
     return np.array(found)
 

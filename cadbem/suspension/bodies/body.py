@@ -95,6 +95,10 @@ class Placed(Protocol):
     def spacing(self) -> float:
         """Mean distance of its points."""
 
+    @property
+    def uncertainty(self) -> float:
+        """By how much the surface may be out of place, as far as its points tell: a length."""
+
     def distance(self, points: Array) -> Array:
         """Distance (M,) of points (dim, M) from the surface, negative inside."""
 

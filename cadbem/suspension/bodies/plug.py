@@ -14,13 +14,14 @@ from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
 from cadbem.spline.closed_layout import spline_residuals
 from cadbem.suspension.bodies.section import Section, channel_axis, section_at
-from cadbem.suspension.interface.volume import nearest_with_volume, volume
+from cadbem.suspension.interface.volume import nearest_with_volume
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.units import check
 
 FILM = 0.15  # of the smallest half width: that of a long plug at Ca = 0.07 in a round pipe
 SPACING = 0.2  # of points along a plug, of its half width
 FINE = 20001  # samples of the outline along a plug
+INTEGRAL = 4000  # samples of its integral
 COLUMNS = (12, 16, 20, 24, 32)  # points around, until these carry the cross-section
 CARRIED = 1e-3  # error of the cross-section's splines, of its half width, that is small enough
 SHORTEST = 0.95  # half length over half width of the shortest plug: less would not fill
@@ -74,7 +75,7 @@ def plug(
 
 def _shape(section: Section, target: float) -> ClosedSpline:
     """The plug of a cross-section and of a volume."""
-    profile = _Profile(section, _half_length(section, target))
+    profile = _profile(section, target)
     rows = max(14, round(profile.length / (SPACING * section.radius)))
     if section.dimension == 2:
         shape = closed_spline(ClosedBasis(6, (2 * rows,)), profile)
@@ -87,27 +88,22 @@ def _shape(section: Section, target: float) -> ClosedSpline:
     return nearest_with_volume(shape, target)
 
 
-def _half_length(section: Section, target: float) -> float:
-    """l for which A ∫ (1 - (x/l)^q) dx = 2 A l q / (q + 1) is the volume; in 2D, for which
-    2 r ∫ √(1 - (x/l)^q) dx is the area."""
-    length = target / (2 * section.measure)
-    for _ in range(100):
-        x = (np.arange(2000) + 0.5) / 2000
-        share = 1 - x ** _power(length, section.radius)
-        mean = np.sqrt(share).mean() if section.dimension == 2 else share.mean()
-        length = 0.5 * (length + target / (2 * section.measure * mean))
-    if length < SHORTEST * section.radius:
-        least = 4 / 3 * section.measure * section.radius
-        least = np.pi * section.radius**2 if section.dimension == 2 else least
+def _profile(section: Section, target: float) -> _Profile:
+    """The outline of a plug of a volume: V = 2 A l ∫ (1 - x^q) dx = 2 A l q / (q + 1), or in 2D
+    V = 4 r l ∫ √(1 - x^q) dx, over x from 0 to 1."""
+    mean = target / (2 * section.measure)
+    power = 2 * max(1, round(mean / section.radius))
+    x = (np.arange(INTEGRAL) + 0.5) / INTEGRAL
+    share = np.sqrt(1 - x**power).mean() if section.dimension == 2 else power / (power + 1)
+    half = mean / float(share)
+    if half < SHORTEST * section.radius:
+        round_end = np.pi / 4 if section.dimension == 2 else 2 / 3
         raise ShapeError(
-            f"volume={target:.4g} does not fill the channel: a plug there has {least:.4g} at least; "
-            "place a sphere, cb.spline_sphere (cb.spline_circle in 2D)"
+            f"volume={target:.4g} does not fill the channel, whose plugs have "
+            f"{2 * section.measure * section.radius * round_end:.4g} or more: place a sphere, "
+            "cb.spline_sphere (cb.spline_circle in 2D)"
         )
-    return length
-
-
-def _power(length: float, radius: float) -> int:
-    return 2 * max(1, round(length / radius))
+    return _Profile(section, half, power)
 
 
 @dataclass(frozen=True)
@@ -116,11 +112,12 @@ class _Profile:
 
     section: Section
     half: float
+    power: int
 
     def _line(self) -> tuple[Array, Array, Array]:
         """Places along the axis, shares of the cross-section, and lengths from the front."""
         cosine = np.cos(np.linspace(0, np.pi, FINE))
-        share = np.sqrt(np.maximum(1 - cosine ** _power(self.half, self.section.radius), 0.0))
+        share = np.sqrt(np.maximum(1 - cosine**self.power, 0.0))
         place = self.half * cosine
         pieces = np.hypot(np.diff(place), self.section.radius * np.diff(share))
         return place, share, np.concatenate([[0.0], np.cumsum(pieces)])

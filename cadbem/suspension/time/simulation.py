@@ -41,8 +41,8 @@ class Simulation:
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
     ``contact`` is the rule for narrow gaps; ``far`` are the equivalent sources of distant bodies
-    (None: direct sums); ``points`` chooses the points of droplets anew (None: they stay).  Bodies that reach an opening of the channel have left and are taken out;
-    the run ends with the last.
+    (None: direct sums); ``points`` chooses the points of droplets anew (None: they stay).  Bodies
+    that reach an opening of the channel have left and are taken out; the run ends with the last.
     """
 
     flow: Surroundings
