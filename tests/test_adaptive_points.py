@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from scipy.special import ellipeinc
 from test_closed_layers import wavy
+from test_results import gone_through, same_tables, stored_numbers
 
 import cadbem as cb
 from cadbem.operators.closed.nearest import signed_distance
 from cadbem.quadrature.closed import PolarRule
+from cadbem.results import open_run, render
 from cadbem.spline.closed import ClosedBasis, closed_spline
 from cadbem.spline.closed_layout import (
     interpolation_error,
@@ -119,7 +121,7 @@ def stretched() -> cb.Simulation:
     """A plane drop in an extension beyond its critical strength, which becomes long."""
     droplet = cb.Droplet(cb.spline_circle(points=24), cb.capillary_tension(0.3), 2.0)
     return cb.Simulation(
-        cb.FreeFlow(cb.plane_extension(dimension=2)), droplet, points=cb.AdaptivePoints(1e-5)
+        cb.FreeFlow(cb.plane_extension(dimension=2)), droplet, points=cb.AdaptivePoints(1e-7)
     )
 
 
@@ -130,7 +132,7 @@ def test_number_of_points_changes_during_a_run(tmp_path):
     states = gone_through(whole, stretched(), end=0.5)
     counts = [s.droplet.shape.basis.count for s in states]
     assert counts[0] == 24 < counts[-1]
-    assert all(s.droplet.volume == pytest.approx(np.pi, rel=1e-9) for s in states)
+    assert all(abs(s.droplet.volume / states[0].droplet.volume - 1) < 1e-12 for s in states)
     gone_through(pieces, stretched(), end=0.25)
     again = gone_through(pieces, stretched(), resume=True, end=0.5)
     for state, other in zip(states, again, strict=True):
@@ -140,4 +142,4 @@ def test_number_of_points_changes_during_a_run(tmp_path):
     expected, found = stored_numbers(whole), stored_numbers(pieces)
     assert all((expected[name] == found[name]).all() for name in expected)
     assert same_tables(whole, pieces)
-    assert render(whole, tmp_path / "pictures")
+    assert any(path.name == "filmstrip.png" for path in render(whole))
