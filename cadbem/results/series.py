@@ -48,16 +48,15 @@ def body_rows(state: State) -> list[Row]:
     parts = zip(state.numbers, state.bodies, state.responses, state.velocities, strict=True)
     rows = []
     for number, body, response, velocity in parts:
-        droplet = isinstance(body, Droplet)
         row: Row = {
             "time": state.time,
             "body": number,
-            "kind": "droplet" if droplet else "particle",
+            "kind": "droplet" if isinstance(body, Droplet) else "particle",
             **_vector("", body.centre),
             "gap": state.gap(number),
             **_vector("velocity_", velocity),
         }
-        if droplet:
+        if isinstance(body, Droplet):
             shape = _droplet(next(measures)) | _points(body, resolutions[number])
         else:
             shape = _particle(body, response)
