@@ -6,9 +6,11 @@ import numpy as np
 import pytest
 from scipy.special import ellipeinc
 from test_closed_layers import wavy
+from test_closeness import drop, plane_channel
 from test_results import EVERY, gone_through, same_tables, stored_numbers
 
 import cadbem as cb
+from cadbem.errors import ShapeError
 from cadbem.operators.closed.nearest import signed_distance
 from cadbem.quadrature.closed import PolarRule
 from cadbem.results import open_run, render, run_folder
@@ -117,12 +119,11 @@ def test_short_waves_on_uneven_points(shape):
     assert np.mean(rates) == pytest.approx(exact, rel=2e-3)
 
 
-def stretched() -> cb.Simulation:
-    """A plane drop in an extension beyond its critical strength, which becomes long."""
+def stretched(accuracy: float = 1e-7, most: int = 2000) -> cb.Simulation:
+    """A plane drop in an extension, which becomes long."""
     droplet = cb.Droplet(cb.spline_circle(points=24), cb.capillary_tension(0.3), 2.0)
-    return cb.Simulation(
-        cb.FreeFlow(cb.plane_extension(dimension=2)), droplet, points=cb.AdaptivePoints(1e-7)
-    )
+    flow, points = cb.FreeFlow(cb.plane_extension(dimension=2)), cb.AdaptivePoints(accuracy, most)
+    return cb.Simulation(flow, droplet, points=points)
 
 
 def test_number_of_points_changes_during_a_run(tmp_path):
@@ -146,3 +147,23 @@ def test_number_of_points_changes_during_a_run(tmp_path):
     assert all((expected[name] == found[name]).all() for name in expected)
     assert same_tables(whole, pieces)
     assert any(path.name == "filmstrip.png" for path in render(whole))
+
+
+def test_no_more_points_than_allowed():
+    """The same run with at most 26 points ends, and says what to do."""
+    *_, last = stretched(1e-8, most=26).run(0.5)
+    assert last.droplet.shape.basis.count <= 26 and last.time < 0.5
+    assert "AdaptivePoints(most=...)" in last.stopped and "body 1" in last.stopped
+
+
+def test_a_droplet_that_leaves_is_not_refined():
+    """The last step of a run whose only droplet leaves has advanced, and counts."""
+    simulation = cb.Simulation(plane_channel(), drop(2.0, 0.0), points=cb.AdaptivePoints(1e-2))
+    *_, last = simulation.run(10.0)
+    assert "left through 'outlet'" in last.stopped
+    assert last.droplet.shape.basis.count < 100
+
+
+def test_accuracy_that_makes_no_sense():
+    with pytest.raises(ShapeError, match="accuracy=0.5: give a share"):
+        cb.AdaptivePoints(0.5)

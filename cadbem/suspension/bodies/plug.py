@@ -56,12 +56,7 @@ def plug(
         raise ShapeError(f"at={place.tolist()}: give a point in the channel's fluid")
     axis = channel_axis(enclosure, place) if along is None else np.asarray(along, dtype=float)
     section = section_at(enclosure, place, axis / np.linalg.norm(axis))
-    thickness = FILM * section.narrowest if film is None else float(film)
-    if not 0 < thickness < section.narrowest / 2:
-        raise ShapeError(
-            f"film={thickness:.4g}: give a thickness above 0 and below half of the channel's "
-            f"smallest half width, {section.narrowest / 2:.4g}"
-        )
+    thickness = _thickness(section, film)
     shape = _shape(section.inside(thickness), float(volume))
     room = enclosure.clearance(shape.evaluate(shape.basis.refined(2).parameters())).distance
     if room.min() < LEFT * thickness:
@@ -71,6 +66,17 @@ def plug(
             "straight piece of channel; give a smaller volume, another place or film"
         )
     return shape
+
+
+def _thickness(section: Section, film: float | None) -> float:
+    """The film that was asked for, or the usual one."""
+    thickness = FILM * section.narrowest if film is None else float(film)
+    if not 0 < thickness < section.narrowest / 2:
+        raise ShapeError(
+            f"film={thickness:.4g}: give a thickness above 0 and below half of the channel's "
+            f"smallest half width, {section.narrowest / 2:.4g}"
+        )
+    return thickness
 
 
 def _shape(section: Section, target: float) -> ClosedSpline:

@@ -17,6 +17,8 @@ AIM = 0.3  # of the length that is allowed, for a new layout
 SPARE = 0.02  # of the length that is allowed, below which points are taken away
 MOST_CHANGE = 1.5  # of the number of points in a direction at once
 ENOUGH = 1.05  # times as many points are more points
+TOLERATED = 10.0  # times the length that is allowed, when there cannot be more points
+WORST = 1e3  # times the error of the shape, that an error of the motion counts at most
 WORTH = 0.8  # of the points that the poles as they are would take: then they are moved
 FEWEST = {2: (16,), 3: (8, 12)}  # points in each direction, by dimension
 
@@ -60,6 +62,16 @@ class AdaptivePoints:
             return spline
         return relaid(spline, basis)
 
+    def reason(self, found: Resolution, allowed: float, count: int) -> str:
+        """Why a run cannot go on with so many points and no more, or an empty text."""
+        if found.uncertainty <= TOLERATED * allowed:
+            return ""
+        return (
+            f"its surface is uncertain by {found.uncertainty:.3g} where the accuracy asks for "
+            f"{allowed:.3g}, and it has {count} points: allow more, AdaptivePoints(most=...), or a "
+            "larger accuracy"
+        )
+
     def finer(self, spline: ClosedSpline) -> ClosedSpline:
         """The same shape with more points in each direction, or the same spline if there are as
         many as there may be."""
@@ -76,7 +88,7 @@ class AdaptivePoints:
         layouts = [relaid(spline, same)]
         if spline.dimension == 3:
             layouts += [laid_out(spline, same, axis) for axis in (longest_axis(spline), travel)]
-        worse = found.uncertainty / float(found.shape.max())
+        worse = min(found.uncertainty / max(float(found.shape.max()), 1e-300), WORST)
         needs = [worse / aim * shape_uncertainty(layout) for layout in layouts]
         counts = [self._needed(same, need).prod() for need in needs]
         best = int(np.argmin(counts)) if min(counts) < WORTH * counts[0] else 0

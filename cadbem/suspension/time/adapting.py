@@ -1,8 +1,9 @@
-"""Bodies whose points are chosen anew between two steps."""
+"""Droplets whose points are chosen anew between two steps."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,38 +14,44 @@ from cadbem.suspension.time.checkpoint import Checkpoint, ends
 from cadbem.suspension.time.state import State
 
 
-def adapted_bodies(
-    checkpoint: Checkpoint, starts: Sequence[Body], points: AdaptivePoints
-) -> tuple[Body, ...]:
-    """The bodies of a checkpoint, droplets with the points that they need: those whose points are
-    right already are the same values.
+def adapted_state(checkpoint: Checkpoint, starts: Sequence[Body], points: AdaptivePoints) -> State:
+    """The state of a checkpoint, droplets with the points that they need: the same state if they
+    have them, a stopped one if they cannot have them.
 
     What they need follows from their shapes, from the slope, which is at hand, and from their
     gaps; points are taken away down to the number of the bodies' ``starts``.
     """
-    state = checkpoint.state
+    state, reasons = checkpoint.state, []
+    bodies: list[Body] = list(state.bodies)
     slopes = np.split(checkpoint.slope, ends(state))
-    bodies: list[Body] = []
-    for placed, slope, start, gap in zip(state.placed, slopes, starts, state.gaps, strict=True):
-        body = state.bodies[len(bodies)]
+    for i, placed in enumerate(state.placed):
+        start, gap = starts[i], state.gaps[i]
         if isinstance(placed, PlacedDroplet) and isinstance(start, Droplet):
-            allowed = points.allowed(placed.body.size, gap.length)
-            rate = slope.reshape(placed.body.shape.coefficients.shape)
+            shape = placed.body.shape
+            rate = slopes[i].reshape(shape.coefficients.shape)
             found = placed.resolution(rate, state.flow.viscosity)
-            fewest = start.shape.basis.count
+            allowed = points.allowed(placed.body.size, gap.length)
             travel = rate.reshape(len(rate), -1).mean(axis=1)
-            shape = points.adapted(placed.body.shape, found, allowed, fewest, travel)
-            body = body if shape is placed.body.shape else placed.body.moved(shape)
-        bodies.append(body)
-    return tuple(bodies)
+            new = points.adapted(shape, found, allowed, start.shape.basis.count, travel)
+            if new is not shape:
+                bodies[i] = placed.body.moved(new)
+            elif reason := points.reason(found, allowed, shape.basis.count):
+                reasons.append(f"body {gap.body}: {reason}, at time {state.time:.6g}")
+    if reasons:
+        return replace(state, stopped=reasons[0])
+    return _with_bodies(state, bodies)
 
 
-def finer_bodies(state: State, points: AdaptivePoints) -> tuple[Body, ...]:
-    """The bodies of a state, droplets with more points, as far as there may be more."""
-    bodies: list[Body] = []
-    for body in state.bodies:
-        if isinstance(body, Droplet):
-            shape = points.finer(body.shape)
-            body = body if shape is body.shape else body.moved(shape)
-        bodies.append(body)
-    return tuple(bodies)
+def finer_state(state: State, points: AdaptivePoints) -> State:
+    """The state, droplets with more points: the same state if there may not be more."""
+    bodies: list[Body] = list(state.bodies)
+    for i, body in enumerate(state.bodies):
+        if isinstance(body, Droplet) and (shape := points.finer(body.shape)) is not body.shape:
+            bodies[i] = body.moved(shape)
+    return _with_bodies(state, bodies)
+
+
+def _with_bodies(state: State, bodies: Sequence[Body]) -> State:
+    if all(new is old for new, old in zip(bodies, state.bodies, strict=True)):
+        return state
+    return replace(state, bodies=tuple(bodies), guess=(), evaluations=state.evaluations + 1)

@@ -22,7 +22,7 @@ from cadbem.suspension.interface.volume import CorrectVolume
 from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
-from cadbem.suspension.time.adapting import adapted_bodies, finer_bodies
+from cadbem.suspension.time.adapting import adapted_state, finer_state
 from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
 from cadbem.suspension.time.limits import leaving, longest, too_far
 from cadbem.suspension.time.overview import simulation_overview
@@ -121,10 +121,11 @@ class Simulation:
     def _march(self, checkpoint: Checkpoint, end: float) -> Iterator[tuple[Checkpoint, Checkpoint]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
         while not checkpoint.state.stopped and checkpoint.state.time < end * (1 - 1e-12):
-            checkpoint = self._with_points(self._without_left(checkpoint), False)
-            after = self._step_to(checkpoint, end)
-            while after.state.stopped:
-                finer = self._with_points(checkpoint, True)
+            checkpoint = after = self._adapted(self._without_left(checkpoint))
+            if not checkpoint.state.stopped:
+                after = self._step_to(checkpoint, end)
+            while after.state.steps == checkpoint.state.steps and self.points is not None:
+                finer = self._moved_to(checkpoint, finer_state(checkpoint.state, self.points))
                 if finer is checkpoint:
                     break
                 checkpoint, after = finer, self._step_to(finer, end)
@@ -136,19 +137,19 @@ class Simulation:
         length = min(checkpoint.length, end - checkpoint.state.time)
         return self._step(checkpoint, length, SMALLEST_STEP * end)
 
-    def _with_points(self, checkpoint: Checkpoint, finer: bool) -> Checkpoint:
-        """The checkpoint with the points that its droplets need, or with ``finer`` ones: the same
-        one if they have them."""
+    def _adapted(self, checkpoint: Checkpoint) -> Checkpoint:
+        """The checkpoint with the points that its droplets need: the same one if they have them."""
         if self.points is None:
             return checkpoint
-        state, starts = checkpoint.state, [b for _, b in self._with_starts(checkpoint.state)]
-        if finer:
-            bodies = finer_bodies(state, self.points)
-        else:
-            bodies = adapted_bodies(checkpoint, starts, self.points)
-        if all(new is old for new, old in zip(bodies, state.bodies, strict=True)):
+        starts = [start for _, start in self._with_starts(checkpoint.state)]
+        return self._moved_to(checkpoint, adapted_state(checkpoint, starts, self.points))
+
+    def _moved_to(self, checkpoint: Checkpoint, state: State) -> Checkpoint:
+        """The checkpoint with another state at the same time."""
+        if state is checkpoint.state:
             return checkpoint
-        state = replace(state, bodies=bodies, guess=(), evaluations=state.evaluations + 1)
+        if state.stopped:
+            return replace(checkpoint, state=state)
         state = self._repaired(state, None)
         return replace(checkpoint, state=state, slope=self.slope(state))
 
