@@ -43,12 +43,14 @@ def adapted_state(checkpoint: Checkpoint, starts: Sequence[Body], points: Adapti
 
 
 def finer_state(state: State, points: AdaptivePoints) -> State:
-    """The state, droplets with more points: the same state if there may not be more."""
+    """The state with more points on its droplets, to go on from: the same one if there may not be
+    more."""
     bodies: list[Body] = list(state.bodies)
     for i, body in enumerate(state.bodies):
         if isinstance(body, Droplet) and (shape := points.finer(body.shape)) is not body.shape:
             bodies[i] = body.moved(shape)
-    return _with_bodies(state, bodies)
+    finer = _with_bodies(state, bodies)
+    return finer if finer is state else replace(finer, stopped="")
 
 
 def _with_bodies(state: State, bodies: Sequence[Body]) -> State:
