@@ -17,11 +17,14 @@ from cadbem.suspension.bodies.body import Body
 from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion, affine_velocity
+from cadbem.suspension.interface.points import AdaptivePoints
 from cadbem.suspension.interface.volume import CorrectVolume
 from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.adapting import adapted_state, finer_state
 from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
+from cadbem.suspension.time.limits import leaving, longest, too_far
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.state import State
 from cadbem.suspension.time.stepping import Adaptive, Step, Stepper
@@ -29,8 +32,6 @@ from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
-ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
-COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +41,8 @@ class Simulation:
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
     ``contact`` is the rule for narrow gaps; ``far`` are the equivalent sources of distant bodies
-    (None: direct sums).  Bodies that reach an opening of the channel have left and are taken out;
-    the run ends with the last.
+    (None: direct sums); ``points`` chooses the points of droplets anew (None: they stay).  Bodies
+    that reach an opening of the channel have left and are taken out; the run ends with the last.
     """
 
     flow: Surroundings
@@ -53,6 +54,7 @@ class Simulation:
     rule: SelfRule = PolarRule()
     contact: Contact = StopAtGap()
     far: FarField | None = FarField()
+    points: AdaptivePoints | None = None
 
     def __repr__(self) -> str:
         return simulation_overview(self).text()
@@ -119,16 +121,42 @@ class Simulation:
     def _march(self, checkpoint: Checkpoint, end: float) -> Iterator[tuple[Checkpoint, Checkpoint]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
         while not checkpoint.state.stopped and checkpoint.state.time < end * (1 - 1e-12):
-            checkpoint = self._without_left(checkpoint)
-            length = min(checkpoint.length, end - checkpoint.state.time)
-            after = self._step(checkpoint, length, SMALLEST_STEP * end)
+            checkpoint = after = self._adapted(self._without_left(checkpoint))
+            if not checkpoint.state.stopped:
+                after = self._step_to(checkpoint, end)
+            while after.state.steps == checkpoint.state.steps and self.points is not None:
+                finer = self._moved_to(checkpoint, finer_state(checkpoint.state, self.points))
+                if finer is checkpoint:
+                    break
+                checkpoint, after = finer, self._step_to(finer, end)
             yield checkpoint, after
             checkpoint = after
+
+    def _step_to(self, checkpoint: Checkpoint, end: float) -> Checkpoint:
+        """The next accepted checkpoint, not after ``end``."""
+        length = min(checkpoint.length, end - checkpoint.state.time)
+        return self._step(checkpoint, length, SMALLEST_STEP * end)
+
+    def _adapted(self, checkpoint: Checkpoint) -> Checkpoint:
+        """The checkpoint with the points that its droplets need: the same one if they have them."""
+        if self.points is None:
+            return checkpoint
+        starts = [start for _, start in self._with_starts(checkpoint.state)]
+        return self._moved_to(checkpoint, adapted_state(checkpoint, starts, self.points))
+
+    def _moved_to(self, checkpoint: Checkpoint, state: State) -> Checkpoint:
+        """The checkpoint with another state at the same time."""
+        if state is checkpoint.state:
+            return checkpoint
+        if state.stopped:
+            return replace(checkpoint, state=state)
+        state = self._repaired(state, None)
+        return replace(checkpoint, state=state, slope=self.slope(state))
 
     def _step(self, checkpoint: Checkpoint, length: float, smallest: float) -> Checkpoint:
         """The next accepted checkpoint."""
         state, largest = checkpoint.state, self.fastest(checkpoint.state)
-        length = min(length, self.stepper.bound(largest), _longest(checkpoint))
+        length = min(length, self.stepper.bound(largest), longest(checkpoint))
         evaluations = state.evaluations
         while length > smallest:
             rate = _Rate(self, state, state.guess)
@@ -142,7 +170,7 @@ class Simulation:
                 if accepted:
                     old = replace(state, guess=rate.guess)
                     after = self._after(old, step, length, evaluations)
-                    if not _too_far(state, after):
+                    if not too_far(state, after):
                         return self._accept(old, after, step.slope, following)
                     following = length / 2
             except (ShapeError, ConditionError):
@@ -180,9 +208,9 @@ class Simulation:
         if any(reasons):
             stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
             return Checkpoint(replace(old, stopped=stopped), np.empty(0), following)
-        leaving = _leaving(after)
-        if leaving:
-            left = old.left | leaving
+        gone = leaving(after)
+        if gone:
+            left = old.left | gone
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
         if slope is None or self._needs_slope(slope):
@@ -255,34 +283,6 @@ class _Rate:
         slope = self.simulation.slope(state)
         self.guess = tuple(r.unknown for r in state.responses)
         return slope
-
-
-def _too_far(before: State, after: State) -> bool:
-    """Whether a step made surfaces overlap, or left less than half of a narrow gap."""
-    return any(
-        now.length <= 0 or now.share < COMFORTABLE and now.length < gap.length / 2
-        for gap, now in zip(before.gaps, after.gaps, strict=True)
-    )
-
-
-def _longest(checkpoint: Checkpoint) -> float:
-    """The time in which a body goes ``ROOM`` times as far as its gap or spacing: longer steps
-    might cut corners."""
-    state = checkpoint.state
-    parts = zip(state.bodies, state.gaps, np.split(checkpoint.slope, ends(state)), strict=True)
-    return min(
-        ROOM * max(gap.length, gap.spacing) / max(float(np.linalg.norm(b.shift(part))), 1e-300)
-        for b, gap, part in parts
-    )
-
-
-def _leaving(state: State) -> dict[int, str]:
-    """Bodies that have reached an opening, by their number, and what to say of them."""
-    return {
-        gap.body: f"body {gap.body} left through '{gap.opening}' at time {state.time:.4g}"
-        for gap in state.gaps
-        if gap.at_opening
-    }
 
 
 def _multiples(end: float, every: float | None) -> list[float]:
