@@ -24,6 +24,7 @@ from cadbem.suspension.rigid.pose import Pose
 from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
+from cadbem.suspension.time.stepping import Lengths
 
 Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
@@ -85,13 +86,14 @@ def write_checkpoint(place: h5py.Group, checkpoint: Checkpoint) -> None:
     """A checkpoint, from which the run can go on."""
     write_state(place.create_group("state"), checkpoint.state)
     place["slope"] = checkpoint.slope
-    place.attrs["length"] = checkpoint.length
+    place.attrs["lengths"] = (checkpoint.lengths.explicit, checkpoint.lengths.implicit)
 
 
 def read_checkpoint(place: h5py.Group, simulation: Simulation) -> Checkpoint:
     """The checkpoint of a simulation."""
     state = read_state(place["state"], simulation)
-    return Checkpoint(state, place["slope"][:], float(place.attrs["length"]))
+    explicit, implicit = (float(length) for length in place.attrs["lengths"])
+    return Checkpoint(state, place["slope"][:], Lengths(explicit, implicit))
 
 
 def write_fields(place: h5py.Group, fields: Fields) -> None:

@@ -22,15 +22,15 @@ from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
 from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
+from cadbem.suspension.time.limits import bounded, leaving, longest_step, too_far
 from cadbem.suspension.time.overview import simulation_overview
+from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
-from cadbem.suspension.time.stepping import Adaptive, Step, Stepper
+from cadbem.suspension.time.stepping import Adaptive, Lengths, Step, Stepper
 from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
-ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
-COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class Simulation:
             check_start(self.flow, self.start.placed, self.start.numbers)
             slope = self.slope(self.start)
             rate = self._first_rate(self.start, slope)
-            since = Checkpoint(self.start, slope, self.stepper.first_length(rate))
+            since = Checkpoint(self.start, slope, self.stepper.first_lengths(rate))
             yield [self.start], since
         now = since.state.time
         wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
@@ -120,39 +120,51 @@ class Simulation:
         """Accepted steps up to ``end``, or to the last sound shapes."""
         while not checkpoint.state.stopped and checkpoint.state.time < end * (1 - 1e-12):
             checkpoint = self._without_left(checkpoint)
-            length = min(checkpoint.length, end - checkpoint.state.time)
-            after = self._step(checkpoint, length, SMALLEST_STEP * end)
+            after = self._step(checkpoint, end - checkpoint.state.time, SMALLEST_STEP * end)
             yield checkpoint, after
             checkpoint = after
 
-    def _step(self, checkpoint: Checkpoint, length: float, smallest: float) -> Checkpoint:
+    def _step(self, checkpoint: Checkpoint, longest: float, smallest: float) -> Checkpoint:
         """The next accepted checkpoint."""
         state, largest = checkpoint.state, self.fastest(checkpoint.state)
-        length = min(length, self.stepper.bound(largest), _longest(checkpoint))
+        relaxation = self._relaxation(state)
+        lengths = bounded(checkpoint, relaxation.known)
+        longest = min(longest, longest_step(checkpoint))
         evaluations = state.evaluations
-        while length > smallest:
-            rate = _Rate(self, state, state.guess)
+        while True:
+            implicit, length = self.stepper.choose(lengths, longest, largest)
+            if length <= smallest:
+                break
+            rate, relaxing = _Rate(self, state, state.guess), relaxation.damping
             try:
                 step = self.stepper.attempt(
-                    rate, coordinates(state), checkpoint.slope, length, largest
-                )
+                    rate, coordinates(state), checkpoint.slope, length, largest,
+                    relaxing if implicit else None,
+                )  # fmt: skip
                 evaluations += step.evaluations
                 error = self._error(state, step.error)
-                accepted, following = self.stepper.next_length(length, error, step.power)
+                if implicit:
+                    error = max(error, relaxation.error(step.error, step.state))
+                accepted, lengths = self.stepper.next_lengths(
+                    lengths, length, error, step.power, implicit
+                )
                 if accepted:
                     old = replace(state, guess=rate.guess)
                     after = self._after(old, step, length, evaluations)
-                    if not _too_far(state, after):
-                        return self._accept(old, after, step.slope, following)
-                    following = length / 2
+                    if not too_far(state, after):
+                        return self._accept(old, after, step, lengths)
+                    longest = length / 2
             except (ShapeError, ConditionError):
-                following = length / 4
-            length = following
+                longest = length / 4
         reason = (
             f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
             "up, or bodies come too close; take more points"
         )
         return replace(checkpoint, state=replace(state, stopped=reason))
+
+    def _relaxation(self, state: State) -> Relaxation:
+        """How the bodies of a state relax."""
+        return Relaxation(state, [start for _, start in self._with_starts(state)], self.motion)
 
     def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
         """The state that a step leads to, repaired."""
@@ -168,9 +180,7 @@ class Simulation:
         """Whether the slope at the end of a step is needed for the next step."""
         return slope is None or self.mesh is not None
 
-    def _accept(
-        self, old: State, after: State, slope: Array | None, following: float
-    ) -> Checkpoint:
+    def _accept(self, old: State, after: State, step: Step, lengths: Lengths) -> Checkpoint:
         """The checkpoint after a step; the old one, stopped, if the new one is not valid.
 
         The state is made anew only where it changes: it has its gaps worked out.
@@ -179,15 +189,15 @@ class Simulation:
         reasons += [self.contact.reason(gap) for gap in after.gaps]
         if any(reasons):
             stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
-            return Checkpoint(replace(old, stopped=stopped), np.empty(0), following)
-        leaving = _leaving(after)
-        if leaving:
-            left = old.left | leaving
+            return Checkpoint(replace(old, stopped=stopped), np.empty(0), lengths)
+        if gone := leaving(after):
+            left = old.left | gone
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
+        slope = step.slope
         if slope is None or self._needs_slope(slope):
             slope = self.slope(after)
-        return Checkpoint(after, slope, following)
+        return Checkpoint(after, slope, lengths, step.ends)
 
     def _without_left(self, checkpoint: Checkpoint) -> Checkpoint:
         """The checkpoint without bodies that have left."""
@@ -232,12 +242,13 @@ class Simulation:
     def _between(self, before: Checkpoint, after: Checkpoint, time: float) -> State:
         """The state at a time within a step, by cubic Hermite interpolation."""
         start, end = before.state, after.state
+        first, last = after.ends or (before.slope, after.slope)
         length = end.time - start.time
         s = (time - start.time) / length
         flat = (
             (1 + 2 * s) * (1 - s) ** 2 * coordinates(start)
             + s**2 * (3 - 2 * s) * coordinates(end)
-            + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
+            + length * s * (1 - s) * ((1 - s) * first - s * last)
         )
         return self._repaired(replace(moved(end, flat), time=time), None)
 
@@ -255,34 +266,6 @@ class _Rate:
         slope = self.simulation.slope(state)
         self.guess = tuple(r.unknown for r in state.responses)
         return slope
-
-
-def _too_far(before: State, after: State) -> bool:
-    """Whether a step made surfaces overlap, or left less than half of a narrow gap."""
-    return any(
-        now.length <= 0 or now.share < COMFORTABLE and now.length < gap.length / 2
-        for gap, now in zip(before.gaps, after.gaps, strict=True)
-    )
-
-
-def _longest(checkpoint: Checkpoint) -> float:
-    """The time in which a body goes ``ROOM`` times as far as its gap or spacing: longer steps
-    might cut corners."""
-    state = checkpoint.state
-    parts = zip(state.bodies, state.gaps, np.split(checkpoint.slope, ends(state)), strict=True)
-    return min(
-        ROOM * max(gap.length, gap.spacing) / max(float(np.linalg.norm(b.shift(part))), 1e-300)
-        for b, gap, part in parts
-    )
-
-
-def _leaving(state: State) -> dict[int, str]:
-    """Bodies that have reached an opening, by their number, and what to say of them."""
-    return {
-        gap.body: f"body {gap.body} left through '{gap.opening}' at time {state.time:.4g}"
-        for gap in state.gaps
-        if gap.at_opening
-    }
 
 
 def _multiples(end: float, every: float | None) -> list[float]:
