@@ -135,4 +135,3 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise CadbemError(f"{self.prog}: {message}; --help lists the options")
-

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -86,14 +86,14 @@ def write_checkpoint(place: h5py.Group, checkpoint: Checkpoint) -> None:
     """A checkpoint, from which the run can go on."""
     write_state(place.create_group("state"), checkpoint.state)
     place["slope"] = checkpoint.slope
-    place.attrs["lengths"] = (checkpoint.lengths.explicit, checkpoint.lengths.implicit)
+    place.attrs["lengths"] = astuple(checkpoint.lengths)
 
 
 def read_checkpoint(place: h5py.Group, simulation: Simulation) -> Checkpoint:
     """The checkpoint of a simulation."""
     state = read_state(place["state"], simulation)
-    explicit, implicit = (float(length) for length in place.attrs["lengths"])
-    return Checkpoint(state, place["slope"][:], Lengths(explicit, implicit))
+    lengths = Lengths(*(float(length) for length in place.attrs["lengths"]))
+    return Checkpoint(state, place["slope"][:], lengths)
 
 
 def write_fields(place: h5py.Group, fields: Fields) -> None:

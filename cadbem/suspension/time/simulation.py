@@ -26,7 +26,7 @@ from cadbem.suspension.time.limits import bounded, leaving, longest_step, too_fa
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
-from cadbem.suspension.time.stepping import Adaptive, Lengths, Step, Stepper
+from cadbem.suspension.time.stepping import Adaptive, Errors, Lengths, Step, Stepper
 from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
@@ -142,11 +142,11 @@ class Simulation:
                     relaxing if implicit else None,
                 )  # fmt: skip
                 evaluations += step.evaluations
-                error = self._error(state, step.error)
-                if implicit:
-                    error = max(error, relaxation.error(step.error, step.state))
+                errors = Errors(
+                    self._error(state, step.error), relaxation.error(step.error, step.state)
+                )
                 accepted, lengths = self.stepper.next_lengths(
-                    lengths, length, error, step.power, implicit
+                    lengths, length, errors, step.power, implicit
                 )
                 if accepted:
                     old = replace(state, guess=rate.guess)

@@ -53,10 +53,21 @@ class Step:
 
 @dataclass(frozen=True)
 class Lengths:
-    """The lengths that the next step may have: an ``explicit`` and a linearly ``implicit`` one."""
+    """The lengths that the next step may have: an ``explicit`` and a linearly ``implicit`` one, and
+    how long an implicit one is ``trusted`` to be stable."""
 
     explicit: float
     implicit: float
+    trusted: float = np.inf
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What a step may have missed: of the ``whole`` displacement, relative to bodies' sizes, and of
+    the ``shape`` of droplets, relative to how far they are from round."""
+
+    whole: float
+    shape: float
 
 
 @dataclass(frozen=True)
@@ -77,7 +88,7 @@ class Euler:
         return Lengths(self.step, self.step)
 
     def next_lengths(
-        self, lengths: Lengths, length: float, error: float, power: int, implicit: bool
+        self, lengths: Lengths, length: float, errors: Errors, power: int, implicit: bool
     ) -> tuple[bool, Lengths]:
         """Whether a step is accepted, and the lengths of the next attempt."""
         return True, lengths
@@ -121,23 +132,32 @@ class Adaptive:
         return Lengths(length, length)
 
     def next_lengths(
-        self, lengths: Lengths, length: float, error: float, power: int, implicit: bool
+        self, lengths: Lengths, length: float, errors: Errors, power: int, implicit: bool
     ) -> tuple[bool, Lengths]:
         """Whether a step of a ``length`` is accepted, and the lengths of the next attempt.
 
-        The ``error`` is proportional to the length to a ``power``.  An accepted step proposes the
-        length of the other method, too; but an implicit length that was shorter, because it failed
-        before, only recovers.
+        Errors are proportional to the length to a ``power``.  An accepted step proposes the length
+        of the other method, too.  The length of an implicit step that failed recovers slowly: the
+        shape may be too far from round.
         """
+        loose, strict = (
+            self._following(length, e, power)
+            for e in (errors.whole, max(errors.whole, errors.shape))
+        )
+        if implicit:
+            if strict[0] > 1.0:
+                return False, Lengths(lengths.explicit, strict[1], strict[1])
+            return True, Lengths(strict[1], strict[1])
+        if loose[0] > 1.0:
+            return False, replace(lengths, explicit=loose[1])
+        trusted = RECOVERY * lengths.trusted
+        return True, Lengths(loose[1], min(strict[1], trusted), trusted)
+
+    def _following(self, length: float, error: float, power: int) -> tuple[float, float]:
+        """An error as a share of the tolerance, and the length that should follow."""
         share = error / self.tolerance
         factor = min(max(0.8 * max(share, 1e-9) ** (-1 / power), 0.2), 2.0)
-        following = min(length * factor, self.longest)
-        if share > 1.0:
-            name = "implicit" if implicit else "explicit"
-            return False, replace(lengths, **{name: following})
-        if not implicit and lengths.implicit < length:
-            return True, Lengths(following, RECOVERY * lengths.implicit)
-        return True, Lengths(following, following)
+        return share, min(length * factor, self.longest)
 
     def choose(self, lengths: Lengths, longest: float, largest: float) -> tuple[bool, float]:
         """Whether the next step is implicit, and its length, at most ``longest``: the method with
