@@ -1,29 +1,28 @@
 """How droplets relax, nearly: the matrix of linearly implicit steps.
 
-A droplet's fastest rates are those at which its own tension or bending smooths its normal
-displacements; its points, other bodies and walls move slowly beside them.  So the matrix takes each
-droplet's normal displacement to the motion that it would cause on a sphere (a circle in a plane) of
-the same volume at rest in unbounded fluid.  In closed form that is a rate for each degree of
-spherical harmonics (Lamb's solution); what counts here are the rates of the splines, whose short
-waves differ.  They are found by differences on the round shape, once for each droplet: a change of
-one column's points is enough, because turns by a column map the points onto themselves, so that all
-matrices are circulant in the columns and become small ones by a Fourier transform.
+A droplet's fastest rates are those at which its own tension or bending smooths its shape; whatever
+else moves it is slow beside them.  So the matrix takes each droplet's displacement to the motion
+that it would cause on a sphere (a circle in a plane) of the same volume at rest in unbounded fluid.
+In closed form that is a rate for each degree of spherical harmonics (Lamb's solution); what counts
+here are the rates of the splines, whose short waves differ.  They are found by differences on the
+round shape.  Displacements of one column's points are enough: turns by a column map the points onto
+themselves, so all matrices are circulant in the columns, and a Fourier transform leaves small ones.
 
-With e normal velocities of the points, P e the motion that belongs to them and Q c = n · c the
-normal part of a change c, let V be the derivative of the normal velocity by c, and T the small loss
-when normal velocities become splines.  Velocities that are splines have e = T^-1 V c, and
+With e normal velocities of the points and P e the motion that belongs to them, and V the derivative
+of normal velocities by displacements of the points, which counts in the directions of the normal
+and of the parameters,
 
-    A = P M (Q P)^-1 Q,    M = T^-1 V P,    (I - s A)^-1 = I + s P (I - s M)^-1 M (Q P)^-1 Q.
+    A = P V,    (I - s A)^-1 = I + s P (I - s M)^-1 V,    M = V P.
 
-P and Q are those of the shape as it is.  Motions that P makes are treated exactly on the round
-shape; what a change along the surface does to curvatures is left to the step, as all that is slow.
+V and M are those of the round shape, P and the directions those of the shape as it is.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
+from typing import cast
 
 import numpy as np
 
@@ -42,73 +41,92 @@ from cadbem.suspension.time.checkpoint import coordinates, ends
 from cadbem.suspension.time.rosenbrock import Damping
 from cadbem.suspension.time.state import State
 
-DIFFERENCE = 1e-4  # displacements for differences, in radii
-LOST = 1e-7  # share of a displacement from which splines carry it
+DIFFERENCE = 1e-5  # displacements for differences, in radii
 ROUND = 1e-6  # deformation, in sizes, below which a droplet is as round as rounding lets it be
 
 
 @dataclass(frozen=True, eq=False)
 class RoundRelaxation:
-    """The matrices M and (Q P)^-1 (modes, rows, rows) of a round droplet: see the top of this
-    file.  A normal displacement whose nodal values are wave m along the columns relaxes by M[m].
-    """
+    """The matrices V (modes, rows, dim rows) and M (modes, rows, rows) of a round droplet, for
+    displacements with the wave m along the columns: see the top of this file."""
 
+    speeds: Array
     rates: Array
-    reading: Array
 
     def damped(self, displacement: Array, scale: float) -> Array:
-        """s (I - s M)^-1 M (Q P)^-1 of normal displacements (N,), s the ``scale``."""
-        modes, rows = self.rates.shape[:2]
-        waves = np.fft.rfft(displacement.reshape(rows, -1), axis=-1).T[..., None]
-        speeds = self.rates @ (self.reading @ waves)
-        found = scale * np.linalg.solve(np.eye(rows) - scale * self.rates, speeds)
-        columns = displacement.size // rows
+        """s (I - s M)^-1 V (N,) of displacements (dim, N) along the directions, s the ``scale``."""
+        rows, columns = self.rates.shape[1], displacement.shape[1] // self.rates.shape[1]
+        waves = np.fft.rfft(displacement.reshape(-1, columns), axis=-1).T[..., None]
+        matrices = np.eye(rows) - scale * self.rates
+        found = scale * np.linalg.solve(matrices, self.speeds @ waves)
         return np.fft.irfft(found[..., 0].T, n=columns, axis=-1).ravel()
 
 
 @lru_cache(maxsize=64)
 def round_relaxation(
-    basis: ClosedBasis, interface: InterfaceLaw, viscosity_ratio: float, size: float,
+    basis: ClosedBasis, interface: Hashable, viscosity_ratio: float, size: float,
     viscosity: float, rule: SelfRule, motion: Motion,
 ) -> RoundRelaxation:  # fmt: skip
     """That of a round droplet of a ``size`` (see ``Body``) in unbounded fluid."""
     dim, columns = basis.dimension, basis.shape[-1]
     radius = size * (dim / unit_measure(dim)) ** (1 / dim)
-    droplet = Droplet(closed_spline(basis, lambda unit: radius * unit), interface, viscosity_ratio)
+    shape = closed_spline(basis, lambda unit: radius * unit)
+    droplet = Droplet(shape, cast(InterfaceLaw, interface), viscosity_ratio)
     layers, rows = droplet.placed(rule).layers, basis.count // columns
-    found = np.empty((3, rows, rows, columns))
+    flow, frame = FreeFlow(at_rest(dim), viscosity), directions(layers)
+    start = _normal_speed(droplet, flow, rule)
+    speeds = np.empty((rows, dim, rows, columns))
+    for place in np.ndindex(dim, rows):
+        single = np.zeros((dim, basis.count))
+        single[place[0], place[1] * columns] = DIFFERENCE * radius
+        change = basis.fit(np.einsum("an,acn->cn", single, frame).reshape(-1, *basis.shape))
+        moved = droplet.at(shape.coefficients + change)
+        speed = (_normal_speed(moved, flow, rule) - start) / (DIFFERENCE * radius)
+        speeds[:, *place] = speed.reshape(rows, columns)
+    waves = np.fft.rfft(speeds.reshape(rows, dim * rows, columns), axis=-1).transpose(2, 0, 1)
+    return RoundRelaxation(waves, waves @ _motions(layers, motion))
+
+
+def _motions(layers: ClosedLayers, motion: Motion) -> Array:
+    """P (modes, dim rows, rows) of a round droplet, as displacements along the directions."""
+    basis = layers.operator.basis
+    columns, rows = basis.shape[-1], basis.count // basis.shape[-1]
+    found = np.empty((basis.dimension * rows, rows, columns))
     for row in range(rows):
         single = np.zeros(basis.count)
         single[row * columns] = 1.0
-        spline = _along_normal(layers, single)
-        change = motion(layers, spline)
-        speed = _change_of_speed(droplet, DIFFERENCE * radius * change, viscosity, rule)
-        parts = (
-            speed / (DIFFERENCE * radius),
-            normal_part(layers, spline),
-            normal_part(layers, change),
-        )
-        found[:, :, row] = np.stack(parts).reshape(3, rows, columns)
-    speeds, kept, read = np.fft.rfft(found, axis=-1).transpose(0, 3, 1, 2)
-    rates = np.linalg.pinv(kept, rcond=LOST) @ speeds
-    return RoundRelaxation(rates, np.linalg.pinv(read, rcond=LOST))
+        change = along(layers, moving(layers, single, motion))
+        found[:, row] = change.reshape(-1, columns)
+    return np.fft.rfft(found, axis=-1).transpose(2, 0, 1)
 
 
-def _change_of_speed(droplet: Droplet, change: Array, viscosity: float, rule: SelfRule) -> Array:
-    """Change of the normal speeds (N,) of a droplet at rest with that of its coefficients: half of
-    the difference between forth and back."""
-    flow, total = FreeFlow(at_rest(droplet.dimension), viscosity), np.zeros(change[0].size)
-    for side in (1, -1):
-        placed = droplet.at(droplet.shape.coefficients + side * change).placed(rule)
-        velocity = velocity_responses(flow, [placed])[0].velocity
-        total += side / 2 * normal_part(placed.layers, velocity)
-    return total
+def _normal_speed(droplet: Droplet, flow: FreeFlow, rule: SelfRule) -> Array:
+    """The normal velocity (N,) of a droplet's points."""
+    placed = droplet.placed(rule)
+    return along(placed.layers, velocity_responses(flow, [placed])[0].velocity)[0]
 
 
-def normal_part(layers: ClosedLayers, coefficients: Array) -> Array:
-    """The normal part (N,) at the collocation points of a field with coefficients (dim, *shape)."""
+def directions(layers: ClosedLayers) -> Array:
+    """Unit vectors (dim, dim, N) at the collocation points: the normal, then along parameters."""
+    targets = layers.targets
+    tangents = targets.tangents / np.linalg.norm(targets.tangents, axis=1)[:, None]
+    return np.concatenate([targets.normal[None], tangents])
+
+
+def along(layers: ClosedLayers, coefficients: Array) -> Array:
+    """Components (dim, N) along the ``directions`` of a field with coefficients (dim, *shape)."""
     values = layers.operator.collocation.values(coefficients)
-    return (values * layers.targets.normal).sum(axis=0)
+    return np.einsum("cn,acn->an", values, directions(layers))
+
+
+def moving(layers: ClosedLayers, speeds: Array, motion: Motion) -> Array:
+    """P: the coefficients (dim, *shape) of the motion that goes with normal velocities (N,).
+
+    Those that are lost when they become a spline are added once more, as by the motion itself.
+    """
+    spline = _along_normal(layers, speeds)
+    lost = speeds - along(layers, spline)[0]
+    return motion(layers, spline) + _along_normal(layers, lost)
 
 
 def _along_normal(layers: ClosedLayers, speeds: Array) -> Array:
@@ -164,8 +182,8 @@ class Relaxation:
             return change
         layers = placed.layers
         field = change.reshape(layers.spline.coefficients.shape)
-        speeds = relaxation.damped(normal_part(layers, field), scale)
-        return (field + self.motion(layers, _along_normal(layers, speeds))).ravel()
+        speeds = relaxation.damped(along(layers, field), scale)
+        return (field + moving(layers, speeds, self.motion)).ravel()
 
     def error(self, error: Array, after: Array) -> float:
         """Largest normal part of an error of all coordinates, but for displacements of whole
@@ -184,9 +202,10 @@ class Relaxation:
 def _shape_change(placed: PlacedDroplet, change: Array) -> float:
     """Largest normal displacement in a change of coefficients, without that of the whole."""
     normal = placed.layers.targets.normal
-    along = normal_part(placed.layers, change.reshape(placed.layers.spline.coefficients.shape))
-    shift = np.linalg.lstsq(normal.T, along, rcond=None)[0]
-    return float(np.abs(along - shift @ normal).max())
+    field = change.reshape(placed.layers.spline.coefficients.shape)
+    displacement = along(placed.layers, field)[0]
+    shift = np.linalg.lstsq(normal.T, displacement, rcond=None)[0]
+    return float(np.abs(displacement - shift @ normal).max())
 
 
 def _out_of_round(placed: PlacedDroplet, coefficients: Array) -> float:
