@@ -11,7 +11,7 @@ from cadbem.suspension.time.state import State
 from cadbem.suspension.time.stepping import Lengths
 
 ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
-STRIDE = 1.0  # sizes that a body may go in one implicit step
+STRIDE = 1 / 8  # sizes that a body may go in one implicit step
 COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
@@ -32,8 +32,8 @@ def longest_step(checkpoint: Checkpoint) -> float:
 
 def bounded(checkpoint: Checkpoint, known: bool) -> Lengths:
     """The lengths that the next step may have: no implicit one if it is not ``known`` how shapes
-    relax, nor one in which a body goes farther than ``STRIDE`` times its size, as it might jump
-    over what it meets."""
+    relax, nor one in which a body goes farther than ``STRIDE`` times its size: its shape follows at
+    once what it meets, and a longer step might jump over it."""
     pairs = zip(checkpoint.state.bodies, _speeds(checkpoint), strict=True)
     stride = min(STRIDE * b.size / speed for b, speed in pairs) if known else 0.0
     return replace(checkpoint.lengths, implicit=min(checkpoint.lengths.implicit, stride))

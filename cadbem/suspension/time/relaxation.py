@@ -25,6 +25,7 @@ from functools import cached_property, lru_cache
 from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cadbem.operators.closed.layers import ClosedLayers
 from cadbem.quadrature.closed import SelfRule
@@ -41,6 +42,7 @@ from cadbem.suspension.time.checkpoint import coordinates, ends
 from cadbem.suspension.time.rosenbrock import Damping
 from cadbem.suspension.time.state import State
 
+Waves = NDArray[np.complex128]
 DIFFERENCE = 1e-5  # displacements for differences, in radii
 ROUND = 1e-6  # deformation, in sizes, below which a droplet is as round as rounding lets it be
 
@@ -50,8 +52,8 @@ class RoundRelaxation:
     """The matrices V (modes, rows, dim rows) and M (modes, rows, rows) of a round droplet, for
     displacements with the wave m along the columns: see the top of this file."""
 
-    speeds: Array
-    rates: Array
+    speeds: Waves
+    rates: Waves
 
     def damped(self, displacement: Array, scale: float) -> Array:
         """s (I - s M)^-1 V (N,) of displacements (dim, N) along the directions, s the ``scale``."""
@@ -87,7 +89,7 @@ def round_relaxation(
     return RoundRelaxation(waves, waves @ _motions(layers, motion))
 
 
-def _motions(layers: ClosedLayers, motion: Motion) -> Array:
+def _motions(layers: ClosedLayers, motion: Motion) -> Waves:
     """P (modes, dim rows, rows) of a round droplet, as displacements along the directions."""
     basis = layers.operator.basis
     columns, rows = basis.shape[-1], basis.count // basis.shape[-1]
@@ -157,7 +159,7 @@ class Relaxation:
         flow, rule = self.state.flow, self.state.environment.rule
         return [
             round_relaxation(
-                b.shape.basis, b.interface, b.viscosity_ratio, b.size, flow.viscosity, rule,
+                b.shape.basis, cast(Hashable, b.interface), b.viscosity_ratio, b.size, flow.viscosity, rule,
                 self.motion,
             )
             if isinstance(b, Droplet) else None

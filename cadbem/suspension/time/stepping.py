@@ -33,7 +33,7 @@ from cadbem.suspension.time.rosenbrock import (
 Rate = Callable[[Array], Array]
 Relaxing = Callable[[float], Damping]  # s -> (I - s A)^-1 with the rates A of relaxation
 DAMPING = 2 / 13
-IMPLICIT_EVALUATIONS = 4  # of a linearly implicit step, with that of the slope at its end
+IMPLICIT_COST = 6.0  # evaluations of a linearly implicit step: 4, and a margin for failed ones
 RECOVERY = 1.1  # growth, a step, of a length that was too long when it was last tried
 
 
@@ -165,7 +165,7 @@ class Adaptive:
         stable = 0.65 * (self.stages**2 - 1) / max(largest, 1e-12)
         explicit, implicit = min(lengths.explicit, stable, longest), min(lengths.implicit, longest)
         gain = explicit / self._stages(explicit, largest)
-        if largest > 0.0 and implicit / IMPLICIT_EVALUATIONS > gain:
+        if largest > 0.0 and implicit / IMPLICIT_COST > gain:
             return True, implicit
         return False, explicit
 
