@@ -159,8 +159,8 @@ class Relaxation:
         flow, rule = self.state.flow, self.state.environment.rule
         return [
             round_relaxation(
-                b.shape.basis, cast(Hashable, b.interface), b.viscosity_ratio, b.size, flow.viscosity, rule,
-                self.motion,
+                b.shape.basis, cast(Hashable, b.interface), b.viscosity_ratio, b.size,
+                flow.viscosity, rule, self.motion,
             )
             if isinstance(b, Droplet) else None
             for b in self.starts
