@@ -5,12 +5,15 @@ Ca = rate / tension.
 """
 
 from dataclasses import astuple
+from itertools import pairwise
 
+import h5py
 import numpy as np
 import pytest
 
 import cadbem as cb
 from cadbem.quadrature.closed import PolarRule
+from cadbem.results.encode import read_checkpoint, write_checkpoint
 from cadbem.suspension.time.relaxation import Relaxation, round_relaxation
 from cadbem.suspension.time.rosenbrock import ALPHA, GAMMA, LOWER, WEIGHTS, WEIGHTS_LOW
 from cadbem.suspension.time.stepping import Adaptive, Errors, Lengths, rosenbrock
@@ -192,6 +195,24 @@ def test_failed_implicit_steps_recover_slowly():
     assert not accepted and astuple(lengths) == pytest.approx((0.1, 0.4, 0.4))
     accepted, lengths = stepper.next_lengths(lengths, 0.5, Errors(1e-9, 1e-9), 3, False)
     assert accepted and astuple(lengths) == pytest.approx((1.0, 0.44, 0.44))
+
+
+def test_a_stored_run_goes_on_to_the_last_bit(tmp_path):
+    """From each checkpoint of a stiff run, written and read back, the next step is the one that the
+    run takes: all that it needs is kept, lengths of implicit steps and guesses included."""
+    droplet = cb.Droplet(cb.spline_circle(points=32), cb.capillary_tension(1e-4), 3.0)
+    simulation = cb.Simulation(cb.FreeFlow(cb.shear(dimension=2)), droplet)
+    kept = [checkpoint for _, checkpoint in simulation.advance(0.3)]
+    assert any(c.ends for c in kept)
+    for before, after in pairwise(kept):
+        with h5py.File(tmp_path / "kept.h5", "w") as place:
+            write_checkpoint(place, before)
+        with h5py.File(tmp_path / "kept.h5") as place:
+            back = read_checkpoint(place, simulation)
+        _, again = next(simulation.advance(0.3, since=back))
+        assert again.lengths == after.lengths and again.state.time == after.state.time
+        assert np.array_equal(again.slope, after.slope)
+        assert np.array_equal(again.state.droplet.coordinates, after.state.droplet.coordinates)
 
 
 def test_membranes_with_unknown_tension_stay_explicit():
