@@ -131,21 +131,18 @@ CASES: dict[str, Callable[[], Case]] = {
     "sphere": lambda: pulled({"body": sphere()}, SIX_PI),
     "ellipsoid 2 : 1 : 1": lambda: pulled(
         {"body": ellipsoid((2, 1, 1))},
-        float(REFERENCE["ellipsoid_drag"]["(2, 1, 1)"]["F_over_muU"][0]),
-        along=0,
+        float(REFERENCE["ellipsoid_drag"]["(2, 1, 1)"]["F_over_muU"][0]), along=0,
     ),  # fmt: skip
     "two spheres": lambda: pulled(
         {"low": sphere(1, (0, 0, -1.5)), "high": sphere(1, (0, 0, 1.5))},
         SIX_PI * float(REFERENCE["two_spheres_in_line_stimson_jeffery"]["1.5"]) * np.ones(2),
     ),
     "sphere 0.1 from a wall": lambda: pulled(
-        {"body": sphere(1, (0, 0, 1.1))},
-        SIX_PI * 11.4591572034095570,
+        {"body": sphere(1, (0, 0, 1.1))}, SIX_PI * 11.4591572034095570,
         plate(2.0, 200.0, degree=1, spans=1, rings=6),
     ),  # fmt: skip
     "sphere 0.05 from a wall": lambda: pulled(
-        {"body": sphere(1, (0, 0, 1.05))},
-        SIX_PI * 21.585820,
+        {"body": sphere(1, (0, 0, 1.05))}, SIX_PI * 21.585820,
         plate(2.0, 200.0, degree=1, spans=1, rings=6),
     ),  # fmt: skip
     "sphere in a pipe, 0.4, pulled": lambda: sphere_in_pipe(0.4, True),

@@ -55,9 +55,9 @@ def velocity_row(points: int, ratio: float) -> tuple[str, ...]:
     drop, flow = cb.Droplet(shape, cb.SurfaceTension(1.0), ratio), cb.FreeFlow(cb.shear())
 
     def velocity() -> int:
-        return velocity_responses(flow, [PlacedDroplet(drop, ClosedLayers(operator, shape))])[
-            0
-        ].iterations
+        return velocity_responses(
+            flow, [PlacedDroplet(drop, ClosedLayers(operator, shape))]
+        )[0].iterations
 
     iterations = velocity()
     near = np.mean([table.count for table in operator.tables])

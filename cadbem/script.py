@@ -135,3 +135,4 @@ class _Parser(argparse.ArgumentParser):
 
     def error(self, message: str) -> NoReturn:
         raise CadbemError(f"{self.prog}: {message}; --help lists the options")
+

@@ -171,7 +171,8 @@ def discontinuous_space(boundary: Boundary, end_shift: float = END_SHIFT) -> Spa
     for patch in boundary.patches:
         surface = patch.surface
         axes = [
-            _abscissae(p, k, end_shift) for p, k in zip(surface.degrees, surface.knots, strict=True)
+            _abscissae(p, k, end_shift)
+            for p, k in zip(surface.degrees, surface.knots, strict=True)
         ]
         grid = np.stack([g.ravel() for g in np.meshgrid(*axes, indexing="ij")])
         parameters.append(grid)

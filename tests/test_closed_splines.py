@@ -58,7 +58,9 @@ def test_splines_are_smooth_across_the_poles(degree):
 
 def test_tangent_plane_at_the_poles():
     """It is one plane, whichever meridian it is seen from, and the pole one point."""
-    surface = closed_spline(ClosedBasis(3, (10, 20)), lambda u: u + 0.05 * np.sin(3 * u[::-1] + u))
+    surface = closed_spline(
+        ClosedBasis(3, (10, 20)), lambda u: u + 0.05 * np.sin(3 * u[::-1] + u)
+    )
     longitude = np.linspace(0, 2 * np.pi, 50)
     for pole in (0.0, np.pi):
         at = np.stack([np.full(50, pole), longitude])

@@ -190,7 +190,9 @@ def test_bodies_in_a_channel():
             "outlet": cb.Pressure(0.0),
             "walls": cb.NoSlip(),
         }
-        problem = cb.StokesProblem(boundary, 1.0, conditions, cb.Quadrature(1e-6), storage=storage)
+        problem = cb.StokesProblem(
+            boundary, 1.0, conditions, cb.Quadrature(1e-6), storage=storage
+        )
         shape = cb.spline_sphere(0.2, (-0.4, 0.1, 0.0), points=72)
         bodies = [
             cb.Droplet(shape, cb.SurfaceTension(5.0), viscosity_ratio=5.0),

@@ -153,7 +153,9 @@ def test_every_drawing_is_tested() -> None:
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_redrawing_gives_the_committed_files(name: str, tmp_path: Path, model: ModuleType) -> None:
+def test_redrawing_gives_the_committed_files(
+    name: str, tmp_path: Path, model: ModuleType
+) -> None:
     """Same bytes; with another OpenCASCADE, which may write otherwise, same names and box."""
     subprocess.run(
         [sys.executable, FOLDER / f"{name}.py", tmp_path],

@@ -48,7 +48,6 @@ def stored_numbers(folder: Path) -> dict[str, np.ndarray]:
     found = {}
     for index in range(len(open_run(folder).times)):
         with reading(frame_file(folder, index)) as file:
-
             def keep(name, item, index=index):
                 if hasattr(item, "shape"):
                     found[f"{index} {name}"] = item[()]

@@ -123,7 +123,8 @@ def test_no_scheduler(script, tmp_path):
 def test_a_run_that_can_is_gone_on_with(script, tmp_path):
     """A point whose folder holds a begun run gets --resume, which the script's main must take."""
     script.write_text(
-        SCRIPT.format(more="resume: bool = False", resumed=", resume=resume") + "\n# resumable\n"
+        SCRIPT.format(more="resume: bool = False", resumed=", resume=resume")
+        + "\n# resumable\n"
     )
     folder = tmp_path / "out"
     assert begin_sweep(script, ["--side", "1,2"], folder) == 0

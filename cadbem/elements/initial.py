@@ -87,7 +87,8 @@ def _merged(cuts: Array, fixed: Array, low: float, high: float) -> Array:
 def _divided(surface: Nurbs, cuts: list[Array]) -> list[Nurbs]:
     """The pieces of a surface between cuts."""
     ends = [
-        list(pairwise([low, *c, high])) for (low, high), c in zip(surface.domain, cuts, strict=True)
+        list(pairwise([low, *c, high]))
+        for (low, high), c in zip(surface.domain, cuts, strict=True)
     ]
     return [surface.restricted(*bounds) for bounds in product(*ends)]
 
@@ -127,7 +128,9 @@ class _Element:
             return self._strips(direction, levels, step / size[direction], widths)
         return self._towards(self.corners[0], levels, [step / s for s in size])
 
-    def _strips(self, direction: int, levels: int, unit: float, widths: Widths) -> list[Patch]:
+    def _strips(
+        self, direction: int, levels: int, unit: float, widths: Widths
+    ) -> list[Patch]:
         ends = [end for d, end in self.sides if d == direction]
         shares = {0.0, 1.0}
         room = 0.5 if len(ends) == 2 else 1.0

@@ -116,3 +116,4 @@ def _stacked(surfaces: Sequence[Nurbs]) -> Nurbs:
     points = np.concatenate([s.points for s in surfaces])
     weights = np.concatenate([s.weights for s in surfaces])
     return Nurbs((p, q), (np.concatenate(knots), _shares(one.knots[1])), points, weights)
+

@@ -139,3 +139,4 @@ def _evidence(analysis: Analysis, patch: int) -> Evidence:
 
 def _on_grid(values: Array, shape: tuple[int, ...]) -> Array:
     return values.T.reshape(-1, *shape)
+

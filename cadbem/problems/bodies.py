@@ -94,7 +94,9 @@ def point_inside(boundary: Boundary, body: Surface) -> Array:
     points, weights = part.quadrature()
     size = abs(body.volume) / float(weights.sum())
     middles = [p.middle() for p in part.patches]
-    below = [(m.position - share * size * m.normal)[:, 0] for share in (1.0, 0.5) for m in middles]
+    below = [
+        (m.position - share * size * m.normal)[:, 0] for share in (1.0, 0.5) for m in middles
+    ]
     candidates = [part.bounds().mean(axis=0), *below]
 
     def solid_angle(point: Array) -> float:

@@ -90,7 +90,9 @@ class HeatProblem(HeatEquations):
             flux[0, part] = self._balance(radiating, unknowns[0, part], response[part], slope)
             unknowns = unknowns + response @ flux[0, part]
         temperature, flux = system.complete(temperature, flux, unknowns)
-        return HeatSolution(self, system, Field(self.space, temperature), Field(self.space, flux))
+        return HeatSolution(
+            self, system, Field(self.space, temperature), Field(self.space, flux)
+        )
 
     def _source_term(self) -> Array | float:
         if self.source_kernels is None:

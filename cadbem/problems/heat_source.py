@@ -39,7 +39,6 @@ def laplace_kernel(dimension: int, size: float) -> Kernel:
     """
     if dimension == 3:
         return LAPLACE_3D
-
     def fill(*arguments: Array) -> None:
         LAPLACE_2D.fill(*arguments)
         arguments[-1][0] += log(size)

@@ -92,7 +92,9 @@ class Port:
             return self._between_plates(radius)
         if abs(np.pi * radius**2 / self.area - 1) < 1e-6:
             disc = np.sqrt(self.area / np.pi)
-            return lambda x: circle_profile(np.linalg.norm(x - self.centre[:, None], axis=0), disc)
+            return lambda x: circle_profile(
+                np.linalg.norm(x - self.centre[:, None], axis=0), disc
+            )
         rectangle = self._rectangle()
         if rectangle is None:
             return developed_profile(self.patches, self.centre, self.normal)
@@ -105,7 +107,9 @@ class Port:
                 f"'{self.name}' is not one straight segment, so its developed profile is not "
                 "known; name one opening only, or give Velocity(function) on it"
             )
-        return lambda x: plates_profile(np.linalg.norm(x - self.centre[:, None], axis=0), self.area)
+        return lambda x: plates_profile(
+            np.linalg.norm(x - self.centre[:, None], axis=0), self.area
+        )
 
     def _rectangle(self) -> tuple[Array, Array, Array] | None:
         """Axes (2, 3), middle along them and side lengths, if the port fills its smallest box."""

@@ -25,7 +25,9 @@ DEPTH = 0.5  # widths behind an opening that are looked at
 SAMPLES = 9  # a direction of each patch
 
 
-def warn_if_not_straight(boundary: Boundary, ports: Sequence[Port], walls: Sequence[int]) -> None:
+def warn_if_not_straight(
+    boundary: Boundary, ports: Sequence[Port], walls: Sequence[int]
+) -> None:
     """An ``AccuracyWarning`` for each opening whose ``walls`` (patches) are not straight."""
     for port in ports:
         angle = tilt(boundary, port, walls)

@@ -40,7 +40,9 @@ def flux_across(state: State, x: float) -> float:
     return float(state.velocity_at(points)[0] @ weights) * 2 / half_width
 
 
-def tell_widths(folder: Folder, runs: dict[float, History], ratio: float) -> dict[float, History]:
+def tell_widths(
+    folder: Folder, runs: dict[float, History], ratio: float
+) -> dict[float, History]:
     """Report and pictures of D(τ) for several widths; the same runs."""
     report_widths(runs, ratio)
     if folder:

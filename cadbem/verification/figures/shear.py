@@ -35,7 +35,9 @@ def tell_shape(folder: Folder, case: tuple[float, float], runs: Runs) -> dict[st
     return {"D": found.deformation, "inclination (degrees)": found.inclination}
 
 
-def volume_runs(simulate: Simulate, points: int, ours: dict, thesis: dict, folder: Folder) -> Runs:
+def volume_runs(
+    simulate: Simulate, points: int, ours: dict, thesis: dict, folder: Folder
+) -> Runs:
     """What happens to the volume at Ca = 0.2 (Fig. 4.1 and 4.2), with its report and picture.
 
     128 points for λ = 0.1 and 2, about as many as the thesis has."""
