@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -25,6 +25,7 @@ from cadbem.suspension.rigid.pose import Pose
 from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
+from cadbem.suspension.time.stepping import Lengths
 
 Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
@@ -113,13 +114,14 @@ def write_checkpoint(place: h5py.Group, checkpoint: Checkpoint) -> None:
     """A checkpoint, from which the run can go on."""
     write_state(place.create_group("state"), checkpoint.state)
     place["slope"] = checkpoint.slope
-    place.attrs["length"] = checkpoint.length
+    place.attrs["lengths"] = astuple(checkpoint.lengths)
 
 
 def read_checkpoint(place: h5py.Group, simulation: Simulation) -> Checkpoint:
     """The checkpoint of a simulation."""
     state = read_state(place["state"], simulation)
-    return Checkpoint(state, place["slope"][:], float(place.attrs["length"]))
+    lengths = Lengths(*(float(length) for length in place.attrs["lengths"]))
+    return Checkpoint(state, place["slope"][:], lengths)
 
 
 def write_fields(place: h5py.Group, fields: Fields) -> None:

@@ -8,16 +8,22 @@ import numpy as np
 
 from cadbem.spline.basis import Array
 from cadbem.suspension.time.state import State
+from cadbem.suspension.time.stepping import Lengths
 
 
 @dataclass(frozen=True, eq=False)
 class Checkpoint:
-    """A ``state`` with the ``slope`` of its coordinates, flat, and the ``length`` that the next
-    step may have."""
+    """A ``state`` with the ``slope`` of its coordinates, flat, and the ``lengths`` that the next
+    step may have.
+
+    ``ends`` are slopes at both ends of the step that led here, for states between them, if not
+    those of the checkpoints; nothing later needs them.
+    """
 
     state: State
     slope: Array
-    length: float
+    lengths: Lengths
+    ends: tuple[Array, Array] | None = None
 
 
 def coordinates(state: State) -> Array:

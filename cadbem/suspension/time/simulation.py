@@ -24,10 +24,11 @@ from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
 from cadbem.suspension.time.adapting import adapted_state, finer_state
 from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
-from cadbem.suspension.time.limits import leaving, longest, too_far
+from cadbem.suspension.time.limits import bounded, leaving, longest_step, too_far
 from cadbem.suspension.time.overview import simulation_overview
+from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
-from cadbem.suspension.time.stepping import Adaptive, Step, Stepper
+from cadbem.suspension.time.stepping import Adaptive, Errors, Lengths, Step, Stepper
 from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
@@ -102,7 +103,7 @@ class Simulation:
             check_start(self.flow, self.start.placed, self.start.numbers)
             slope = self.slope(self.start)
             rate = self._first_rate(self.start, slope)
-            since = Checkpoint(self.start, slope, self.stepper.first_length(rate))
+            since = Checkpoint(self.start, slope, self.stepper.first_lengths(rate))
             yield [self.start], since
         now = since.state.time
         wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
@@ -134,8 +135,7 @@ class Simulation:
 
     def _step_to(self, checkpoint: Checkpoint, end: float) -> Checkpoint:
         """The next accepted checkpoint, not after ``end``."""
-        length = min(checkpoint.length, end - checkpoint.state.time)
-        return self._step(checkpoint, length, SMALLEST_STEP * end)
+        return self._step(checkpoint, end - checkpoint.state.time, SMALLEST_STEP * end)
 
     def _adapted(self, checkpoint: Checkpoint) -> Checkpoint:
         """The checkpoint with the points that its droplets need: the same one if they have them."""
@@ -153,34 +153,47 @@ class Simulation:
         state = self._repaired(state, None)
         return replace(checkpoint, state=state, slope=self.slope(state))
 
-    def _step(self, checkpoint: Checkpoint, length: float, smallest: float) -> Checkpoint:
+    def _step(self, checkpoint: Checkpoint, longest: float, smallest: float) -> Checkpoint:
         """The next accepted checkpoint."""
         state, largest = checkpoint.state, self.fastest(checkpoint.state)
-        length = min(length, self.stepper.bound(largest), longest(checkpoint))
+        relaxation = self._relaxation(state)
+        lengths = bounded(checkpoint, relaxation.known)
+        longest = min(longest, longest_step(checkpoint))
         evaluations = state.evaluations
-        while length > smallest:
-            rate = _Rate(self, state, state.guess)
+        while True:
+            implicit, length = self.stepper.choose(lengths, longest, largest)
+            if length <= smallest:
+                break
+            rate, relaxing = _Rate(self, state, state.guess), relaxation.damping
             try:
                 step = self.stepper.attempt(
-                    rate, coordinates(state), checkpoint.slope, length, largest
-                )
+                    rate, coordinates(state), checkpoint.slope, length, largest,
+                    relaxing if implicit else None,
+                )  # fmt: skip
                 evaluations += step.evaluations
-                error = self._error(state, step.error)
-                accepted, following = self.stepper.next_length(length, error, step.power)
+                errors = Errors(
+                    self._error(state, step.error), relaxation.error(step.error, step.state)
+                )
+                accepted, lengths = self.stepper.next_lengths(
+                    lengths, length, errors, step.power, implicit
+                )
                 if accepted:
                     old = replace(state, guess=rate.guess)
                     after = self._after(old, step, length, evaluations)
                     if not too_far(state, after):
-                        return self._accept(old, after, step.slope, following)
-                    following = length / 2
+                        return self._accept(old, after, step, lengths)
+                    longest = length / 2
             except (ShapeError, ConditionError):
-                following = length / 4
-            length = following
+                longest = length / 4
         reason = (
             f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
             "up, or bodies come too close; take more points"
         )
         return replace(checkpoint, state=replace(state, stopped=reason))
+
+    def _relaxation(self, state: State) -> Relaxation:
+        """How the bodies of a state relax."""
+        return Relaxation(state, [start for _, start in self._with_starts(state)], self.motion)
 
     def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
         """The state that a step leads to, repaired."""
@@ -196,9 +209,7 @@ class Simulation:
         """Whether the slope at the end of a step is needed for the next step."""
         return slope is None or self.mesh is not None
 
-    def _accept(
-        self, old: State, after: State, slope: Array | None, following: float
-    ) -> Checkpoint:
+    def _accept(self, old: State, after: State, step: Step, lengths: Lengths) -> Checkpoint:
         """The checkpoint after a step; the old one, stopped, if the new one is not valid.
 
         The state is made anew only where it changes: it has its gaps worked out.
@@ -207,15 +218,15 @@ class Simulation:
         reasons += [self.contact.reason(gap) for gap in after.gaps]
         if any(reasons):
             stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
-            return Checkpoint(replace(old, stopped=stopped), np.empty(0), following)
-        gone = leaving(after)
-        if gone:
+            return Checkpoint(replace(old, stopped=stopped), np.empty(0), lengths)
+        if gone := leaving(after):
             left = old.left | gone
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
+        slope = step.slope
         if slope is None or self._needs_slope(slope):
             slope = self.slope(after)
-        return Checkpoint(after, slope, following)
+        return Checkpoint(after, slope, lengths, step.ends)
 
     def _without_left(self, checkpoint: Checkpoint) -> Checkpoint:
         """The checkpoint without bodies that have left."""
@@ -260,12 +271,13 @@ class Simulation:
     def _between(self, before: Checkpoint, after: Checkpoint, time: float) -> State:
         """The state at a time within a step, by cubic Hermite interpolation."""
         start, end = before.state, after.state
+        first, last = after.ends or (before.slope, after.slope)
         length = end.time - start.time
         s = (time - start.time) / length
         flat = (
             (1 + 2 * s) * (1 - s) ** 2 * coordinates(start)
             + s**2 * (3 - 2 * s) * coordinates(end)
-            + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
+            + length * s * (1 - s) * ((1 - s) * first - s * last)
         )
         return self._repaired(replace(moved(end, flat), time=time), None)
 
