@@ -41,3 +41,15 @@ def moved(state: State, flat: Array) -> State:
     parts = np.split(flat, ends(state))
     bodies = [b.at(part) for b, part in zip(state.bodies, parts, strict=True)]
     return replace(state, bodies=tuple(bodies))
+
+
+def coordinates_between(before: Checkpoint, after: Checkpoint, time: float) -> Array:
+    """Coordinates of all bodies at a time within a step, by cubic Hermite interpolation."""
+    first, last = after.ends or (before.slope, after.slope)
+    length = after.state.time - before.state.time
+    s = (time - before.state.time) / length
+    return (
+        (1 + 2 * s) * (1 - s) ** 2 * coordinates(before.state)
+        + s**2 * (3 - 2 * s) * coordinates(after.state)
+        + length * s * (1 - s) * ((1 - s) * first - s * last)
+    )

@@ -54,3 +54,12 @@ def leaving(state: State) -> dict[int, str]:
         for gap in state.gaps
         if gap.at_opening
     }
+
+
+def output_times(end: float, every: float | None) -> list[float]:
+    """Multiples of ``every`` up to ``end``, and that; none at all without ``every``."""
+    if every is None:
+        return []
+    count = int(np.floor(end / every * (1 + 1e-12)))
+    times = [every * k for k in range(1, count + 1)]
+    return times if times and times[-1] > end * (1 - 1e-9) else [*times, end]

@@ -23,8 +23,14 @@ from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
 from cadbem.suspension.time.adapting import adapted_state, finer_state
-from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
-from cadbem.suspension.time.limits import bounded, leaving, longest_step, too_far
+from cadbem.suspension.time.checkpoint import (
+    Checkpoint,
+    coordinates,
+    coordinates_between,
+    ends,
+    moved,
+)
+from cadbem.suspension.time.limits import bounded, leaving, longest_step, output_times, too_far
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
@@ -106,7 +112,7 @@ class Simulation:
             since = Checkpoint(self.start, slope, self.stepper.first_lengths(rate))
             yield [self.start], since
         now = since.state.time
-        wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
+        wanted = [time for time in output_times(end, every) if time > now * (1 + 1e-12)]
         with progress(label="time", total=end, initial=now) as bar:
             for before, after in self._march(since, end):
                 state, kept = after.state, []
@@ -269,17 +275,9 @@ class Simulation:
         return max(p.fastest(self.flow.viscosity) for p in state.placed)
 
     def _between(self, before: Checkpoint, after: Checkpoint, time: float) -> State:
-        """The state at a time within a step, by cubic Hermite interpolation."""
-        start, end = before.state, after.state
-        first, last = after.ends or (before.slope, after.slope)
-        length = end.time - start.time
-        s = (time - start.time) / length
-        flat = (
-            (1 + 2 * s) * (1 - s) ** 2 * coordinates(start)
-            + s**2 * (3 - 2 * s) * coordinates(end)
-            + length * s * (1 - s) * ((1 - s) * first - s * last)
-        )
-        return self._repaired(replace(moved(end, flat), time=time), None)
+        """The state at a time within a step."""
+        flat = coordinates_between(before, after, time)
+        return self._repaired(replace(moved(after.state, flat), time=time), None)
 
 
 @dataclass(eq=False)
@@ -293,13 +291,5 @@ class _Rate:
     def __call__(self, flat: Array) -> Array:
         state = replace(moved(self.state, flat), guess=self.guess)
         slope = self.simulation.slope(state)
-        self.guess = tuple(r.unknown for r in state.responses)
+        self.guess = tuple(np.ascontiguousarray(r.unknown) for r in state.responses)
         return slope
-
-
-def _multiples(end: float, every: float | None) -> list[float]:
-    if every is None:
-        return []
-    count = int(np.floor(end / every * (1 + 1e-12)))
-    times = [every * k for k in range(1, count + 1)]
-    return times if times and times[-1] > end * (1 - 1e-9) else [*times, end]
