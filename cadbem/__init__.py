@@ -113,6 +113,7 @@ if TYPE_CHECKING:
     from cadbem.spline.shapes import sphere_octants as sphere_octants
     from cadbem.suspension.bodies.droplet import Droplet as Droplet
     from cadbem.suspension.bodies.particle import RigidParticle as RigidParticle
+    from cadbem.suspension.bodies.plug import plug as plug
     from cadbem.suspension.bodies.rigid_shapes import rigid_ellipsoid as rigid_ellipsoid
     from cadbem.suspension.bodies.rigid_shapes import rigid_sphere as rigid_sphere
     from cadbem.suspension.interface.laws import Bending as Bending
@@ -123,8 +124,10 @@ if TYPE_CHECKING:
     from cadbem.suspension.interface.motion import affine_velocity as affine_velocity
     from cadbem.suspension.interface.motion import full_velocity as full_velocity
     from cadbem.suspension.interface.motion import normal_velocity as normal_velocity
+    from cadbem.suspension.interface.points import AdaptivePoints as AdaptivePoints
     from cadbem.suspension.interface.volume import CorrectVolume as CorrectVolume
     from cadbem.suspension.multibody.contact import Repel as Repel
+    from cadbem.suspension.multibody.contact import StopAtError as StopAtError
     from cadbem.suspension.multibody.contact import StopAtGap as StopAtGap
     from cadbem.suspension.multibody.measures import inclination as inclination
     from cadbem.suspension.multibody.measures import taylor_deformation as taylor_deformation
@@ -209,13 +212,15 @@ _NAMES = {
     "spline.shapes": ("box", "cylinder", "ellipsoid", "plate", "sphere", "sphere_octants"),
     "suspension.bodies.droplet": ("Droplet",),
     "suspension.bodies.particle": ("RigidParticle",),
+    "suspension.bodies.plug": ("plug",),
     "suspension.bodies.rigid_shapes": ("rigid_ellipsoid", "rigid_sphere"),
     "suspension.interface.laws": ("Bending", "SurfaceTension", "capillary_tension"),
     "suspension.interface.membrane": ("InextensibleMembrane",),
     "suspension.interface.mesh": ("RelaxMesh",),
     "suspension.interface.motion": ("affine_velocity", "full_velocity", "normal_velocity"),
+    "suspension.interface.points": ("AdaptivePoints",),
     "suspension.interface.volume": ("CorrectVolume",),
-    "suspension.multibody.contact": ("Repel", "StopAtGap"),
+    "suspension.multibody.contact": ("Repel", "StopAtError", "StopAtGap"),
     "suspension.multibody.measures": ("inclination", "taylor_deformation"),
     "suspension.surroundings.channel_flow": ("ChannelFlow",),
     "suspension.surroundings.flows": (

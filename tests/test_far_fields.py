@@ -26,7 +26,8 @@ def nodes(dimension: int, centre, size: float) -> Sources:
         cb.ClosedSpline(shape.basis, size * shape.coefficients + middle), cb.SurfaceTension(1.0)
     ).placed(PolarRule())
     c = shape.coefficients
-    return body.sources((np.stack([*c[1:], 1 + c[0] * c[1]]), c + 0.5 * c[::-1] ** 2))
+    force = body.layers.operator.grid.values(np.stack([*c[1:], 1 + c[0] * c[1]]))
+    return body.sources((force, c + 0.5 * c[::-1] ** 2))
 
 
 @pytest.mark.parametrize("dimension", [2, 3])
@@ -81,7 +82,7 @@ def test_a_shell_of_force_and_a_shell_of_sources():
     )
     area = 4 * np.pi * radius**2
     shape = body.layers.spline.coefficients
-    density = np.broadcast_to(force[:, None, None] / area, shape.shape)
+    density = np.repeat(force[:, None] / area, body.samples.shape[1], axis=1)
     source = body.sources((density, (shape - centre[:, None, None]) / radius))
     reach = np.random.default_rng(0).uniform(0.4, 3.5, 3000)
     points = centre[:, None] + radius * np.exp(reach) * directions(3, 3000)

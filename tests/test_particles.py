@@ -151,6 +151,14 @@ def test_pose():
     assert (later.matrix - plane.matrix) / step == pytest.approx(expected, abs=1e-5)
 
 
+def test_a_stored_pose_comes_back_to_the_last_bit():
+    """Coordinates of a turned particle, given again, are the same numbers."""
+    turns = np.random.default_rng(2).normal(size=(200, 4))
+    for turn in turns:
+        once = Pose.of(np.concatenate([np.ones(3), turn]), 3).coordinates
+        np.testing.assert_array_equal(Pose.of(once, 3).coordinates, once)
+
+
 def test_circle_in_a_closed_ring():
     """A free circle in the middle of a ring that turns at Ω turns with it, as the fluid does."""
     ring = Boundary(tuple(Patch(c, "ring") for c in circle(3.0, inwards=True)))

@@ -2,34 +2,19 @@
 
 import json
 from pathlib import Path
+from pipes import ends
 
 import numpy as np
 import pytest
-from shapes import ARC, ARC_WEIGHTS, LINEAR, QUADRATIC
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure, RigidMotion
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
-from cadbem.spline import Nurbs
 from cadbem.spline.shapes import cylinder, sphere
 
 DATA = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 HALF_LENGTH = 3.0  # in radii of the pipe; what a sphere adds falls like exp(-4.5 x) there
-
-
-def ends():
-    """Both ends of a pipe of radius 1 along x, four quarters each that meet in the centre."""
-    rim = np.insert(ARC, 0, 0.0, axis=1)
-    points, weights = np.stack([0 * rim, rim]), np.stack([ARC_WEIGHTS] * 2)
-    quarter = Nurbs((1, 2), (LINEAR, QUADRATIC), points, weights)
-    quarter = quarter.elevated((4, 4)).inserted([[1 / 3, 2 / 3], []])
-    shift, patches = np.array([HALF_LENGTH, 0, 0]), []
-    for cosine, sine in ((1, 0), (0, 1), (-1, 0), (0, -1)):
-        turn = np.array([[1, 0, 0], [0, cosine, -sine], [0, sine, cosine]])
-        patches.append(Patch(quarter.transformed(turn, -shift), "inlet"))
-        patches.append(Patch(quarter.transformed(turn, shift).swapped(), "outlet"))
-    return patches
 
 
 def pipe_with_sphere(radius, elements=12, width=0.6):
@@ -39,7 +24,7 @@ def pipe_with_sphere(radius, elements=12, width=0.6):
     side = cylinder(1.0, 2 * HALF_LENGTH, (-HALF_LENGTH, 0, 0))
     wall = [Patch(s.elevated((4, 4)).inserted([along, [0.5]]), "wall") for s in side]
     ball = Boundary(tuple(Patch(s, "body") for s in sphere(radius))).refined(2)
-    return Boundary((*wall, *ends(), *ball.patches))
+    return Boundary((*wall, *ends(HALF_LENGTH), *ball.patches))
 
 
 @pytest.mark.parametrize("radius", [pytest.param(0.2, marks=pytest.mark.long), 0.4])

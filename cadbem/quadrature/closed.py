@@ -32,8 +32,9 @@ Index = NDArray[np.int64]
 class PolarRule:
     """Windowed polar integration; ``tolerance`` relative to the kernel's own integral.
 
-    ``refinement``: nodes of the grid per collocation point and direction; even, so that no node
-    is a target.  For shapes that are stretched unevenly it should be higher: see ``suited``.
+    ``refinement``: nodes of the grid per collocation point, in the direction in which these are
+    closest together on the unit sphere; even, so that no node is a target.  For shapes that are
+    stretched unevenly it should be higher: see ``suited``.
     """
 
     tolerance: float = 1e-5
@@ -163,13 +164,26 @@ def closed_rule(rule: SelfRule, shape: tuple[int, ...]) -> ClosedRule:
     """The rule for (n,) collocation points on the circle, or (rows, columns) on the sphere."""
     if isinstance(rule, SingularitySubtraction):
         return _gauss_grid(rule.order, shape)
-    grid = [rule.refinement * n for n in shape]
+    grid = _even_grid(rule.refinement, shape)
     digits = -log(rule.tolerance)
     # erfc(s) falls like exp(-s²); the grid resolves the window's spectrum exp(-(πS/2s)²)
     window = {"steepness": sqrt(digits), "spacings": digits / (pi / 2)}
     phi = 2 * pi / grid[-1] * np.arange(0.5, grid[-1])
     theta = [pi / n * np.arange(0.5, n) for n in grid[:-1]]
     return ClosedRule([*theta, phi], even_weights(tuple(grid)), **window)
+
+
+def _even_grid(refinement: int, shape: tuple[int, ...]) -> list[int]:
+    """Nodes in each direction: ``refinement`` for a collocation point where these are as far apart
+    in both directions, and otherwise as many as make the nodes so.
+
+    The polar nodes in a window are as far apart as the grid's, in all directions; a direction with
+    closer collocation points than nodes would be integrated blindly, and its short waves grow.
+    """
+    turns = [2 * shape[0], shape[1]] if len(shape) == 2 else list(shape)
+    finest = max(turns)
+    evens = [2 * max(round(refinement * finest / turn / 2), refinement // 2) for turn in turns]
+    return [even * n for even, n in zip(evens, shape, strict=True)]
 
 
 def even_weights(shape: tuple[int, ...]) -> Array:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -19,11 +19,13 @@ from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 from cadbem.spline.nurbs import Nurbs
 from cadbem.suspension.bodies.body import Body
+from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.bodies.particle import RigidParticle
 from cadbem.suspension.rigid.pose import Pose
 from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
+from cadbem.suspension.time.stepping import Lengths
 
 Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
@@ -61,9 +63,36 @@ def write_state(place: h5py.Group, state: State) -> None:
     place.attrs["left"] = json.dumps(state.left)
     place.attrs["numbers"] = np.array(state.numbers, dtype=np.int64)
     for number, body in zip(state.numbers, state.bodies, strict=True):
-        place[f"body_{number}/coordinates"] = body.coordinates
+        _write_coordinates(place, f"body_{number}/coordinates", body)
     for k, guess in enumerate(state.guess):
         place[f"guess/{k}"] = guess
+
+
+def _write_coordinates(place: h5py.Group, name: str, body: Body) -> None:
+    """A body's coordinates; a droplet's with the basis that it has by then."""
+    place[name] = body.coordinates
+    if isinstance(body, Droplet):
+        basis = body.shape.basis
+        place[name].attrs.update(degree=basis.degree, points=basis.shape)
+
+
+def _body(start: Body, coordinates: h5py.Dataset) -> Body:
+    """A body with coordinates that were written, from what it was at the start."""
+    if isinstance(start, Droplet):
+        return start.moved(_spline(start.shape, coordinates))
+    return start.at(coordinates[:])
+
+
+def _spline(start: ClosedSpline, coordinates: h5py.Dataset) -> ClosedSpline:
+    """A spline with coordinates that were written, on the basis that was written with them.
+
+    The basis of the start is kept where it is the same, with the tables that it has."""
+    basis = start.basis
+    if "points" in coordinates.attrs:
+        shape = tuple(int(n) for n in coordinates.attrs["points"])
+        written = ClosedBasis(int(coordinates.attrs["degree"]), shape)
+        basis = basis if written == basis else written
+    return ClosedSpline(basis, coordinates[:].reshape(start.dimension, *basis.shape))
 
 
 def read_state(place: h5py.Group, simulation: Simulation) -> State:
@@ -73,7 +102,7 @@ def read_state(place: h5py.Group, simulation: Simulation) -> State:
     guess = place.get("guess", {})
     return State(
         simulation.environment,
-        bodies=tuple(starts[n - 1].at(place[f"body_{n}/coordinates"][:]) for n in numbers),
+        bodies=tuple(_body(starts[n - 1], place[f"body_{n}/coordinates"]) for n in numbers),
         numbers=numbers,
         left={int(n): text for n, text in json.loads(place.attrs["left"]).items()},
         guess=tuple(guess[str(k)][:] for k in range(len(guess))),
@@ -85,13 +114,14 @@ def write_checkpoint(place: h5py.Group, checkpoint: Checkpoint) -> None:
     """A checkpoint, from which the run can go on."""
     write_state(place.create_group("state"), checkpoint.state)
     place["slope"] = checkpoint.slope
-    place.attrs["length"] = checkpoint.length
+    place.attrs["lengths"] = astuple(checkpoint.lengths)
 
 
 def read_checkpoint(place: h5py.Group, simulation: Simulation) -> Checkpoint:
     """The checkpoint of a simulation."""
     state = read_state(place["state"], simulation)
-    return Checkpoint(state, place["slope"][:], float(place.attrs["length"]))
+    lengths = Lengths(*(float(length) for length in place.attrs["lengths"]))
+    return Checkpoint(state, place["slope"][:], lengths)
 
 
 def write_fields(place: h5py.Group, fields: Fields) -> None:
@@ -124,13 +154,12 @@ class ReferenceShape:
             return cls(body.shape, body.resistance.centre)
         return cls(body.shape)  # type: ignore[attr-defined]
 
-    def at(self, coordinates: Array) -> Shape:
-        """The shape with a body's coordinates."""
+    def at(self, coordinates: h5py.Dataset) -> Shape:
+        """The shape with a body's coordinates, as they were written."""
         if isinstance(self.shape, ClosedSpline):
-            shaped = coordinates.reshape(self.shape.coefficients.shape)
-            return replace(self.shape, coefficients=shaped)
+            return _spline(self.shape, coordinates)
         assert self.centre is not None
-        pose = Pose.of(coordinates, self.shape.dimension)
+        pose = Pose.of(coordinates[:], self.shape.dimension)
         return self.shape.transformed(pose.matrix, pose.position - pose.matrix @ self.centre)
 
 

@@ -8,6 +8,7 @@ from cadbem.post.fields.frames import Frame
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet
 from cadbem.suspension.bodies.particle import RigidParticle
+from cadbem.suspension.interface.resolution import Resolution
 from cadbem.suspension.multibody.measures import Measures
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.state import State
@@ -43,20 +44,22 @@ def run_row(state: State, seconds: float) -> Row:
 
 def body_rows(state: State) -> list[Row]:
     """A row for each body."""
-    measures = iter(state.measures)
+    measures, resolutions = iter(state.measures), state.resolutions
     parts = zip(state.numbers, state.bodies, state.responses, state.velocities, strict=True)
     rows = []
     for number, body, response, velocity in parts:
-        droplet = isinstance(body, Droplet)
         row: Row = {
             "time": state.time,
             "body": number,
-            "kind": "droplet" if droplet else "particle",
+            "kind": "droplet" if isinstance(body, Droplet) else "particle",
             **_vector("", body.centre),
             "gap": state.gap(number),
             **_vector("velocity_", velocity),
         }
-        shape = _droplet(next(measures)) if droplet else _particle(body, response)
+        if isinstance(body, Droplet):
+            shape = _droplet(next(measures)) | _points(body, resolutions[number])
+        else:
+            shape = _particle(body, response)
         rows.append(row | shape)
     return rows
 
@@ -66,6 +69,12 @@ def _droplet(found: Measures) -> Row:
     for k, length in enumerate(found.semi_axes, 1):
         row[f"semi_axis_{k}"] = float(length)
     return row
+
+
+def _points(body: Droplet, found: Resolution) -> Row:
+    """Their number, by how much the surface may be displaced, and the net flux through it."""
+    row: Row = {"points": body.shape.basis.count, "uncertainty": found.uncertainty}
+    return row | {"net_flux": found.flux}
 
 
 def _particle(body: Any, response: Any) -> Row:

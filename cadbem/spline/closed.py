@@ -254,6 +254,10 @@ class ClosedSpline:
     basis: ClosedBasis
     coefficients: Array
 
+    def __post_init__(self) -> None:
+        # sums depend on the order in memory in their last bit, and stored shapes come back so
+        object.__setattr__(self, "coefficients", np.ascontiguousarray(self.coefficients))
+
     __repr__ = closed_text
 
     @property

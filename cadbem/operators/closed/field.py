@@ -31,7 +31,10 @@ class OffSurface:
     def apply(self, single: Array | None, double: Array | None) -> Array:
         """∫ G q dS + ∫ u·T·n dS (dim, M), n outwards.
 
-        ``single`` and ``double`` are coefficients (dim, *shape) of q and u, or None for zero.
+        ``single`` are values q (dim, nodes) at the even grid's nodes, ``double`` coefficients
+        (dim, *shape) of u; None stands for zero.  A jump of the traction has as many derivatives
+        of the shape in it that a spline through its values at the collocation points has a net
+        force of its own.
         """
         result = np.zeros(self.points.shape)
         densities = at_nodes(self.layers, single, double)
@@ -57,10 +60,10 @@ def even_sources(layers: ClosedLayers, single: Array | None, double: Array | Non
 def at_nodes(
     layers: ClosedLayers, single: Array | None, double: Array | None
 ) -> tuple[Array | None, Array | None]:
-    """q J and u (dim, nodes) of coefficients at the grid's nodes, without weights."""
+    """q J and u (dim, nodes) at the grid's nodes, without weights: see ``OffSurface.apply``."""
     values = layers.operator.grid.values
     return (
-        None if single is None else values(single) * layers.points.jacobian,
+        None if single is None else single * layers.points.jacobian,
         None if double is None else np.ascontiguousarray(values(double)),
     )
 

@@ -25,7 +25,7 @@ from cadbem.suspension.interface.motion import Motion
 from cadbem.suspension.interface.volume import CorrectVolume
 
 ContactPressure = Callable[[Array], Array]  # contact pressure (M,) at points (dim, M)
-Densities = tuple[Array | None, Array | None]  # coefficients of a single and a double layer
+Densities = tuple[Array | None, Array | None]  # of a single and a double layer
 NOTHING: Densities = (None, None)
 
 
@@ -94,6 +94,10 @@ class Placed(Protocol):
     @property
     def spacing(self) -> float:
         """Mean distance of its points."""
+
+    @property
+    def uncertainty(self) -> float:
+        """By how much the surface may be out of place, as far as its points tell: a length."""
 
     def distance(self, points: Array) -> Array:
         """Distance (M,) of points (dim, M) from the surface, negative inside."""

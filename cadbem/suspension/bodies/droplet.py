@@ -22,6 +22,7 @@ from cadbem.suspension.interface.equation import InterfaceEquation
 from cadbem.suspension.interface.laws import InterfaceLaw, Jump
 from cadbem.suspension.interface.mesh import RelaxMesh, stretches, unresolved
 from cadbem.suspension.interface.motion import Motion
+from cadbem.suspension.interface.resolution import Resolution, resolution, shape_uncertainty
 from cadbem.suspension.interface.volume import CorrectVolume, centre, volume
 
 RATE_MARGIN = 1.15  # of the fastest relaxation: splines make short waves a little stiffer
@@ -175,6 +176,15 @@ class PlacedDroplet:
         area, count = float(self.layers.weights.sum()), self.layers.operator.basis.count
         return (area / count) ** (1 / (self.body.dimension - 1))
 
+    @cached_property
+    def uncertainty(self) -> float:
+        """By how much the surface may be displaced, as far as the decay of its waves tells."""
+        return float(shape_uncertainty(self.body.shape).max())
+
+    def resolution(self, velocity: Array, viscosity: float) -> Resolution:
+        """How well the points resolve the shape, and a velocity with coefficients (dim, *shape)."""
+        return resolution(self.layers, velocity, self.fastest(viscosity))
+
     def distance(self, points: Array) -> Array:
         """Distance (M,) of points (dim, M) from the surface, negative inside."""
         return signed_distance(self.body.shape, points)
@@ -203,8 +213,8 @@ class PlacedDroplet:
 @dataclass(frozen=True, eq=False)
 class Response:
     """An interface's ``velocity``, coefficients (dim, *shape), the ``jump`` that goes with it, the
-    ``densities`` of all layers of the droplet outside it, the equations' ``unknown``, and the
-    number of ``iterations`` that they took."""
+    ``densities`` of all layers of the droplet outside it (values at the nodes, coefficients), the
+    equations' ``unknown``, and the number of ``iterations`` that they took."""
 
     velocity: Array
     jump: Jump
@@ -235,13 +245,13 @@ class _Equation:
     contact_pressure: ContactPressure | None
     viscosity: float
 
-    def _whole_jump(self, points: ClosedPoints) -> Array:
-        """The interface's jump with the contact pressure: a force F on the interface is a jump
-        of -F."""
+    def _density(self, points: ClosedPoints) -> Array:
+        """-Δf / μ (dim, K), with the contact pressure in the jump: a force F on the interface is a
+        jump of -F."""
         jump = self.jump(points)
-        if self.contact_pressure is None:
-            return jump
-        return jump + self.contact_pressure(points.position) * points.normal
+        if self.contact_pressure is not None:
+            jump = jump + self.contact_pressure(points.position) * points.normal
+        return jump / -self.viscosity
 
     @property
     def couples(self) -> bool:
@@ -249,14 +259,13 @@ class _Equation:
 
     @cached_property
     def fixed_densities(self) -> Densities:
-        layers = self.interface.layers
-        basis = layers.operator.basis
-        jump = self._whole_jump(layers.targets).reshape(-1, *basis.shape)
-        return basis.fit(jump) / -self.viscosity, None
+        return self._density(self.interface.layers.points), None
 
     @cached_property
     def right_side(self) -> Array:
-        return self.interface.right_of_jump(self._whole_jump, self.viscosity)
+        single, _ = self.fixed_densities
+        assert single is not None
+        return self.interface.right_of_layer(single, self._density(self.interface.layers.targets))
 
     def incident_term(self, incident: Array) -> Array:
         return self.interface.right(incident)

@@ -32,6 +32,8 @@ from cadbem.suspension.rigid.resistance import Resistance, resistance
 
 Vector = float | Sequence[float] | Array
 
+RIGID = 0.06  # spacings: so gaps below 0.2 spacings are uncertain by 0.3 gaps
+
 
 @dataclass(frozen=True, eq=False)
 class RigidParticle:
@@ -209,6 +211,11 @@ class PlacedParticle:
     def spacing(self) -> float:
         """Mean distance of the collocation points."""
         return self.body.resistance.spacing
+
+    @property
+    def uncertainty(self) -> float:
+        """A share of the spacing: the surface is exact, the traction on it is not."""
+        return RIGID * self.spacing
 
     def distance(self, points: Array) -> Array:
         """Distance (M,) of points (dim, M) from the surface, negative inside."""

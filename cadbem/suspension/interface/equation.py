@@ -27,7 +27,6 @@ from cadbem.closed_points import ClosedPoints
 from cadbem.operators.closed.layers import ClosedLayers
 from cadbem.quadrature.closed import even_weights
 from cadbem.spline.basis import Array
-from cadbem.suspension.interface.laws import Jump
 from cadbem.suspension.rigid.pose import rigid_motions
 
 
@@ -90,12 +89,11 @@ class InterfaceEquation:
         """Right side that a velocity u∞ (dim, N) brings: 2 u∞, without its flux."""
         return 2 * (incident - self._flux(incident))
 
-    def right_of_jump(self, jump: Jump, viscosity: float) -> Array:
-        """Right side that the interface's own jump brings: -S[Δf] / (h μ)."""
-        at_targets = jump(self._targets)
+    def right_of_layer(self, density: Array, at_targets: Array) -> Array:
+        """Right side that the interface's own single layer brings: S[q] / h for q = -Δf / μ at the
+        nodes (dim, nodes) and at the collocation points (dim, N)."""
         level = (at_targets * self._targets.normal).sum(axis=0)
-        single = self.layers.single(jump(self.layers.points), level)
-        single /= -viscosity * self.layers.free_term
+        single = self.layers.single(density, level) / self.layers.free_term
         return single - self._flux(single)
 
     def velocity(self, values: Array) -> Array:

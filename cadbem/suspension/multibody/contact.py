@@ -16,6 +16,7 @@ import numpy as np
 from cadbem.errors import ConditionError
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.body import ContactPressure, Placed
+from cadbem.suspension.bodies.droplet import PlacedDroplet
 from cadbem.suspension.multibody.neighbours import Neighbours
 from cadbem.suspension.surroundings.surroundings import Surroundings
 
@@ -27,7 +28,8 @@ AT_OPENING = 1.0  # spacings from an opening at which a body has left
 class Gap:
     """The narrowest gap of a ``body`` (its number): its ``length``, negative where they overlap,
     to what ``other``, and the larger ``spacing`` of points on either side; the distance
-    ``to_opening`` of which name, and the body's ``own_spacing``."""
+    ``to_opening`` of which name, and the body's ``own_spacing``; the larger ``uncertainty`` of the
+    place of either side's surface, as far as bodies' own points tell."""
 
     body: int
     length: float
@@ -36,6 +38,7 @@ class Gap:
     to_opening: float
     opening: str
     own_spacing: float
+    uncertainty: float
 
     @property
     def share(self) -> float:
@@ -86,6 +89,34 @@ class StopAtGap:
 
 
 @dataclass(frozen=True)
+class StopAtError:
+    """A run ends when a surface beside a gap may be out of place by more than a ``share`` of it.
+
+    However far points are apart: splines through points carry a smooth film that is much thinner,
+    and the decay of the surface's shortest waves says when they do no more.  A rigid particle's
+    place is exact and its traction is not; it counts as out of place by 0.06 spacings.
+    """
+
+    share: float = 0.3
+
+    reach = 0.0
+
+    def reason(self, gap: Gap) -> str:
+        """Why a run cannot go on, or an empty text."""
+        if gap.length > 0 and gap.uncertainty <= self.share * gap.length:
+            return ""
+        return (
+            f"body {gap.body} is {max(gap.length, 0.0):.3g} from {gap.other}, and its points leave "
+            f"its surface uncertain by {gap.uncertainty:.3g}: take more points, "
+            "points=AdaptivePoints(...), or contact=Repel(...)"
+        )
+
+    def pressure(self, gaps: Array) -> Array:
+        """Zero (M,)."""
+        return np.zeros_like(gaps)
+
+
+@dataclass(frozen=True)
 class Repel:
     """A pressure pushes surfaces apart that are nearer than ``reach`` (a length):
 
@@ -118,11 +149,14 @@ def narrowest(
         own = body.spacing
         reach = np.inf if everywhere else WATCHED * own
         wall, name, opening, which = _to_walls(surroundings, body, reach)
-        gap = Gap(numbers[i], wall, f"'{name}'", own, opening, which, own)
+        gap = Gap(numbers[i], wall, f"'{name}'", own, opening, which, own, body.uncertainty)
         length, j = neighbours.nearest(i, reach)
         if length < gap.length:
             spacing = max(own, bodies[j].spacing)
-            gap = replace(gap, length=length, other=f"body {numbers[j]}", spacing=spacing)
+            unsure = max(body.uncertainty, bodies[j].uncertainty)
+            gap = replace(
+                gap, length=length, other=f"body {numbers[j]}", spacing=spacing, uncertainty=unsure
+            )
         gaps.append(gap)
     return gaps
 
@@ -171,8 +205,21 @@ def check_start(
         centre = ", ".join(f"{x:.4g}" for x in body.targets.mean(axis=1))
         if gap.length <= 0 or gap.at_opening:
             other = gap.other if gap.length <= 0 else f"the opening '{gap.opening}'"
+            hint = "" if other.startswith("body") else _room(surroundings, body)
             raise ConditionError(
                 f"body {gap.body}, around ({centre}), is not clear of {other}: place it inside "
-                "the fluid and away from other bodies"
+                f"the fluid and away from other bodies{hint}"
             )
     return gaps
+
+
+def _room(surroundings: Surroundings, body: Placed) -> str:
+    """How large a droplet may be where one is that is too large, and what fills a channel."""
+    middle = body.targets.mean(axis=1)[:, None]
+    room = float(surroundings.nearest(middle, np.inf).distance[0])
+    if not isinstance(body, PlacedDroplet) or not 0 < room < np.inf:
+        return ""
+    return (
+        f"; a sphere there has a radius below {room:.4g}, and cb.plug(channel, at=..., volume=...) "
+        "makes a droplet that fills the channel but for a film"
+    )

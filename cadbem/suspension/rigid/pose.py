@@ -9,6 +9,8 @@ from scipy.spatial.transform import Rotation
 
 from cadbem.spline.basis import Array
 
+ROUNDING = 1e-15  # a length of 1 within this is 1
+
 
 @dataclass(frozen=True, eq=False)
 class Pose:
@@ -22,10 +24,13 @@ class Pose:
 
     @classmethod
     def of(cls, coordinates: Array, dimension: int) -> Pose:
-        """From flat coordinates; a quaternion need not be of unit length."""
+        """From flat coordinates; a quaternion need not be of unit length.
+
+        One that is, but for rounding, stays as it is: stored poses come back to the last bit.
+        """
         turn = coordinates[dimension:]
-        if dimension == 3:
-            turn = turn / np.linalg.norm(turn)
+        if dimension == 3 and abs((length := float(np.linalg.norm(turn))) - 1.0) > ROUNDING:
+            turn = turn / length
         return cls(coordinates[:dimension], turn)
 
     @property

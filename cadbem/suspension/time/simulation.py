@@ -17,20 +17,28 @@ from cadbem.suspension.bodies.body import Body
 from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion, affine_velocity
+from cadbem.suspension.interface.points import AdaptivePoints
 from cadbem.suspension.interface.volume import CorrectVolume
 from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.surroundings import Surroundings
-from cadbem.suspension.time.checkpoint import Checkpoint, coordinates, ends, moved
+from cadbem.suspension.time.adapting import adapted_state, finer_state
+from cadbem.suspension.time.checkpoint import (
+    Checkpoint,
+    coordinates,
+    coordinates_between,
+    ends,
+    moved,
+)
+from cadbem.suspension.time.limits import bounded, leaving, longest_step, output_times, too_far
 from cadbem.suspension.time.overview import simulation_overview
+from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
-from cadbem.suspension.time.stepping import Adaptive, Step, Stepper
+from cadbem.suspension.time.stepping import Adaptive, Errors, Lengths, Step, Stepper
 from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
-ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
-COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,8 +48,8 @@ class Simulation:
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
     ``contact`` is the rule for narrow gaps; ``far`` are the equivalent sources of distant bodies
-    (None: direct sums).  Bodies that reach an opening of the channel have left and are taken out;
-    the run ends with the last.
+    (None: direct sums); ``points`` chooses the points of droplets anew (None: they stay).  Bodies
+    that reach an opening of the channel have left and are taken out; the run ends with the last.
     """
 
     flow: Surroundings
@@ -53,6 +61,7 @@ class Simulation:
     rule: SelfRule = PolarRule()
     contact: Contact = StopAtGap()
     far: FarField | None = FarField()
+    points: AdaptivePoints | None = None
 
     def __repr__(self) -> str:
         return simulation_overview(self).text()
@@ -100,10 +109,10 @@ class Simulation:
             check_start(self.flow, self.start.placed, self.start.numbers)
             slope = self.slope(self.start)
             rate = self._first_rate(self.start, slope)
-            since = Checkpoint(self.start, slope, self.stepper.first_length(rate))
+            since = Checkpoint(self.start, slope, self.stepper.first_lengths(rate))
             yield [self.start], since
         now = since.state.time
-        wanted = [time for time in _multiples(end, every) if time > now * (1 + 1e-12)]
+        wanted = [time for time in output_times(end, every) if time > now * (1 + 1e-12)]
         with progress(label="time", total=end, initial=now) as bar:
             for before, after in self._march(since, end):
                 state, kept = after.state, []
@@ -119,40 +128,78 @@ class Simulation:
     def _march(self, checkpoint: Checkpoint, end: float) -> Iterator[tuple[Checkpoint, Checkpoint]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
         while not checkpoint.state.stopped and checkpoint.state.time < end * (1 - 1e-12):
-            checkpoint = self._without_left(checkpoint)
-            length = min(checkpoint.length, end - checkpoint.state.time)
-            after = self._step(checkpoint, length, SMALLEST_STEP * end)
+            checkpoint = after = self._adapted(self._without_left(checkpoint))
+            if not checkpoint.state.stopped:
+                after = self._step_to(checkpoint, end)
+            while after.state.steps == checkpoint.state.steps and self.points is not None:
+                finer = self._moved_to(checkpoint, finer_state(checkpoint.state, self.points))
+                if finer is checkpoint:
+                    break
+                checkpoint, after = finer, self._step_to(finer, end)
             yield checkpoint, after
             checkpoint = after
 
-    def _step(self, checkpoint: Checkpoint, length: float, smallest: float) -> Checkpoint:
+    def _step_to(self, checkpoint: Checkpoint, end: float) -> Checkpoint:
+        """The next accepted checkpoint, not after ``end``."""
+        return self._step(checkpoint, end - checkpoint.state.time, SMALLEST_STEP * end)
+
+    def _adapted(self, checkpoint: Checkpoint) -> Checkpoint:
+        """The checkpoint with the points that its droplets need: the same one if they have them."""
+        if self.points is None:
+            return checkpoint
+        starts = [start for _, start in self._with_starts(checkpoint.state)]
+        return self._moved_to(checkpoint, adapted_state(checkpoint, starts, self.points))
+
+    def _moved_to(self, checkpoint: Checkpoint, state: State) -> Checkpoint:
+        """The checkpoint with another state at the same time."""
+        if state is checkpoint.state:
+            return checkpoint
+        if state.stopped:
+            return replace(checkpoint, state=state)
+        state = self._repaired(state, None)
+        return replace(checkpoint, state=state, slope=self.slope(state))
+
+    def _step(self, checkpoint: Checkpoint, longest: float, smallest: float) -> Checkpoint:
         """The next accepted checkpoint."""
         state, largest = checkpoint.state, self.fastest(checkpoint.state)
-        length = min(length, self.stepper.bound(largest), _longest(checkpoint))
+        relaxation = self._relaxation(state)
+        lengths = bounded(checkpoint, relaxation.known)
+        longest = min(longest, longest_step(checkpoint))
         evaluations = state.evaluations
-        while length > smallest:
-            rate = _Rate(self, state, state.guess)
+        while True:
+            implicit, length = self.stepper.choose(lengths, longest, largest)
+            if length <= smallest:
+                break
+            rate, relaxing = _Rate(self, state, state.guess), relaxation.damping
             try:
                 step = self.stepper.attempt(
-                    rate, coordinates(state), checkpoint.slope, length, largest
-                )
+                    rate, coordinates(state), checkpoint.slope, length, largest,
+                    relaxing if implicit else None,
+                )  # fmt: skip
                 evaluations += step.evaluations
-                error = self._error(state, step.error)
-                accepted, following = self.stepper.next_length(length, error, step.power)
+                errors = Errors(
+                    self._error(state, step.error), relaxation.error(step.error, step.state)
+                )
+                accepted, lengths = self.stepper.next_lengths(
+                    lengths, length, errors, step.power, implicit
+                )
                 if accepted:
                     old = replace(state, guess=rate.guess)
                     after = self._after(old, step, length, evaluations)
-                    if not _too_far(state, after):
-                        return self._accept(old, after, step.slope, following)
-                    following = length / 2
+                    if not too_far(state, after):
+                        return self._accept(old, after, step, lengths)
+                    longest = length / 2
             except (ShapeError, ConditionError):
-                following = length / 4
-            length = following
+                longest = length / 4
         reason = (
             f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
             "up, or bodies come too close; take more points"
         )
         return replace(checkpoint, state=replace(state, stopped=reason))
+
+    def _relaxation(self, state: State) -> Relaxation:
+        """How the bodies of a state relax."""
+        return Relaxation(state, [start for _, start in self._with_starts(state)], self.motion)
 
     def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
         """The state that a step leads to, repaired."""
@@ -168,9 +215,7 @@ class Simulation:
         """Whether the slope at the end of a step is needed for the next step."""
         return slope is None or self.mesh is not None
 
-    def _accept(
-        self, old: State, after: State, slope: Array | None, following: float
-    ) -> Checkpoint:
+    def _accept(self, old: State, after: State, step: Step, lengths: Lengths) -> Checkpoint:
         """The checkpoint after a step; the old one, stopped, if the new one is not valid.
 
         The state is made anew only where it changes: it has its gaps worked out.
@@ -179,15 +224,15 @@ class Simulation:
         reasons += [self.contact.reason(gap) for gap in after.gaps]
         if any(reasons):
             stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
-            return Checkpoint(replace(old, stopped=stopped), np.empty(0), following)
-        leaving = _leaving(after)
-        if leaving:
-            left = old.left | leaving
+            return Checkpoint(replace(old, stopped=stopped), np.empty(0), lengths)
+        if gone := leaving(after):
+            left = old.left | gone
             last = all(n in left for n in after.numbers)
             after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
+        slope = step.slope
         if slope is None or self._needs_slope(slope):
             slope = self.slope(after)
-        return Checkpoint(after, slope, following)
+        return Checkpoint(after, slope, lengths, step.ends)
 
     def _without_left(self, checkpoint: Checkpoint) -> Checkpoint:
         """The checkpoint without bodies that have left."""
@@ -230,16 +275,9 @@ class Simulation:
         return max(p.fastest(self.flow.viscosity) for p in state.placed)
 
     def _between(self, before: Checkpoint, after: Checkpoint, time: float) -> State:
-        """The state at a time within a step, by cubic Hermite interpolation."""
-        start, end = before.state, after.state
-        length = end.time - start.time
-        s = (time - start.time) / length
-        flat = (
-            (1 + 2 * s) * (1 - s) ** 2 * coordinates(start)
-            + s**2 * (3 - 2 * s) * coordinates(end)
-            + length * s * (1 - s) * ((1 - s) * before.slope - s * after.slope)
-        )
-        return self._repaired(replace(moved(end, flat), time=time), None)
+        """The state at a time within a step."""
+        flat = coordinates_between(before, after, time)
+        return self._repaired(replace(moved(after.state, flat), time=time), None)
 
 
 @dataclass(eq=False)
@@ -253,41 +291,5 @@ class _Rate:
     def __call__(self, flat: Array) -> Array:
         state = replace(moved(self.state, flat), guess=self.guess)
         slope = self.simulation.slope(state)
-        self.guess = tuple(r.unknown for r in state.responses)
+        self.guess = tuple(np.ascontiguousarray(r.unknown) for r in state.responses)
         return slope
-
-
-def _too_far(before: State, after: State) -> bool:
-    """Whether a step made surfaces overlap, or left less than half of a narrow gap."""
-    return any(
-        now.length <= 0 or now.share < COMFORTABLE and now.length < gap.length / 2
-        for gap, now in zip(before.gaps, after.gaps, strict=True)
-    )
-
-
-def _longest(checkpoint: Checkpoint) -> float:
-    """The time in which a body goes ``ROOM`` times as far as its gap or spacing: longer steps
-    might cut corners."""
-    state = checkpoint.state
-    parts = zip(state.bodies, state.gaps, np.split(checkpoint.slope, ends(state)), strict=True)
-    return min(
-        ROOM * max(gap.length, gap.spacing) / max(float(np.linalg.norm(b.shift(part))), 1e-300)
-        for b, gap, part in parts
-    )
-
-
-def _leaving(state: State) -> dict[int, str]:
-    """Bodies that have reached an opening, by their number, and what to say of them."""
-    return {
-        gap.body: f"body {gap.body} left through '{gap.opening}' at time {state.time:.4g}"
-        for gap in state.gaps
-        if gap.at_opening
-    }
-
-
-def _multiples(end: float, every: float | None) -> list[float]:
-    if every is None:
-        return []
-    count = int(np.floor(end / every * (1 + 1e-12)))
-    times = [every * k for k in range(1, count + 1)]
-    return times if times and times[-1] > end * (1 - 1e-9) else [*times, end]

@@ -17,6 +17,7 @@ from cadbem.spline.closed import ClosedSpline
 from cadbem.suspension.bodies.body import Body, Placed
 from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet, Response
 from cadbem.suspension.bodies.particle import RigidParticle
+from cadbem.suspension.interface.resolution import Resolution
 from cadbem.suspension.multibody.contact import Gap, narrowest
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.multibody.fields import velocity_at
@@ -104,6 +105,16 @@ class State:
     def gaps(self) -> list[Gap]:
         """The narrowest gap of each body, if it is narrow."""
         return narrowest(self.flow, self.placed, self.numbers, everywhere=False)
+
+    @property
+    def resolutions(self) -> dict[int, Resolution]:
+        """How well each droplet's points resolve its shape and velocity, by its number."""
+        parts = zip(self.numbers, self.placed, self.responses, strict=True)
+        return {
+            n: p.resolution(r.velocity, self.flow.viscosity)
+            for n, p, r in parts
+            if isinstance(p, PlacedDroplet)
+        }
 
     @property
     def velocities(self) -> list[Array]:

@@ -1,16 +1,18 @@
 """Time stepping of an array of coordinates, with few evaluations of its rate.
 
-Capillary relaxation is stiff with real negative rates, the largest growing with the number of
-points.  The default method is therefore a stabilised explicit one, Runge-Kutta-Chebyshev of second
-order (Sommeijer, Shampine and Verwer 1997): s stages are stable for steps of about 0.65 s² over the
-largest rate.  Rigid particles alone have no such rates; they take the steps of order 5 of Dormand
-and Prince.
+Capillary relaxation is stiff with real negative rates, the largest growing with the tension and
+with the number of points.  Where it is moderate, steps are of a stabilised explicit method,
+Runge-Kutta-Chebyshev of second order (Sommeijer, Shampine and Verwer 1997): s stages are stable for
+steps of about 0.65 s² over the largest rate.  Where it is not, they are linearly implicit
+(``rosenbrock``), if the relaxation is known nearly enough.  Both lengths follow from estimated
+errors; of the two methods that one takes the next step that needs fewer evaluations for the time.
+Rigid particles alone do not relax; they take the steps of order 5 of Dormand and Prince.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import ceil, sqrt
 
@@ -19,22 +21,53 @@ from numpy.polynomial.chebyshev import Chebyshev
 from scipy.integrate import RK45
 
 from cadbem.spline.basis import Array
+from cadbem.suspension.time.rosenbrock import (
+    GAMMA,
+    START,
+    WEIGHTS,
+    WEIGHTS_LOW,
+    Damping,
+    rosenbrock_stages,
+)
 
 Rate = Callable[[Array], Array]
+Relaxing = Callable[[float], Damping]  # s -> (I - s A)^-1 with the rates A of relaxation
 DAMPING = 2 / 13
+IMPLICIT_COST = 6.0  # evaluations of a linearly implicit step: 4, and a margin for failed ones
+RECOVERY = 1.1  # growth, a step, of a length that was too long when it was last tried
 
 
 @dataclass(frozen=True, eq=False)
 class Step:
     """The result of an attempted step: the new ``state``, its ``slope`` if known, the estimated
     ``error`` (an array like the state) and its power of the step's length, and the ``evaluations``
-    spent."""
+    spent; ``ends`` are slopes at both ends for states between them, if not those of the rate."""
 
     state: Array
     slope: Array | None
     error: Array
     evaluations: int
     power: int = 3
+    ends: tuple[Array, Array] | None = None
+
+
+@dataclass(frozen=True)
+class Lengths:
+    """The lengths that the next step may have: an ``explicit`` and a linearly ``implicit`` one, and
+    how long an implicit one is ``trusted`` to be stable."""
+
+    explicit: float
+    implicit: float
+    trusted: float = np.inf
+
+
+@dataclass(frozen=True)
+class Errors:
+    """What a step may have missed: of the ``whole`` displacement, relative to bodies' sizes, and of
+    the ``shape`` of droplets, relative to how far they are from round."""
+
+    whole: float
+    shape: float
 
 
 @dataclass(frozen=True)
@@ -44,74 +77,130 @@ class Euler:
     step: float
 
     def attempt(
-        self, rate: Rate, state: Array, slope: Array, length: float, largest: float
-    ) -> Step:
+        self, rate: Rate, state: Array, slope: Array, length: float, largest: float,
+        relaxing: Relaxing | None = None,
+    ) -> Step:  # fmt: skip
         """One step of the given length."""
         return Step(state + length * slope, None, np.zeros_like(state), 0)
 
-    def first_length(self, largest: float) -> float:
-        """Length of the first step."""
-        return self.step
+    def first_lengths(self, largest: float) -> Lengths:
+        """Lengths of the first step."""
+        return Lengths(self.step, self.step)
 
-    def next_length(self, length: float, error: float, power: int) -> tuple[bool, float]:
-        """Whether a step is accepted, and the length of the next attempt."""
-        return True, self.step
+    def next_lengths(
+        self, lengths: Lengths, length: float, errors: Errors, power: int, implicit: bool
+    ) -> tuple[bool, Lengths]:
+        """Whether a step is accepted, and the lengths of the next attempt."""
+        return True, lengths
 
-    def bound(self, largest: float) -> float:
-        """Longest step: the user's own."""
-        return self.step
+    def choose(self, lengths: Lengths, longest: float, largest: float) -> tuple[bool, float]:
+        """Whether the next step is implicit, which it is not, and its length."""
+        return False, min(self.step, longest)
 
 
 @dataclass(frozen=True)
 class Adaptive:
-    """Runge-Kutta-Chebyshev steps with an estimated error below ``tolerance`` each, relative to
-    the body's size; ``longest`` bounds the length, ``stages`` the evaluations of a step."""
+    """Steps with an estimated error below ``tolerance`` each, relative to the body's size; that of
+    implicit steps in shapes is relative to how far these are from round.
+
+    ``longest`` bounds the length, ``stages`` the evaluations of a Runge-Kutta-Chebyshev step.
+    """
 
     tolerance: float = 1e-3
     longest: float = np.inf
     stages: int = 12
 
     def attempt(
-        self, rate: Rate, state: Array, slope: Array, length: float, largest: float
-    ) -> Step:
-        """One step; ``slope`` is the rate at its beginning, ``largest`` the fastest decay rate."""
+        self, rate: Rate, state: Array, slope: Array, length: float, largest: float,
+        relaxing: Relaxing | None = None,
+    ) -> Step:  # fmt: skip
+        """One step: implicit with the rates of relaxation, explicit without; ``slope`` is the rate
+        at its beginning, ``largest`` the fastest decay rate."""
+        if relaxing is not None:
+            return rosenbrock(rate, state, slope, length, relaxing(GAMMA * length))
         if largest == 0.0:
             return dormand_prince(rate, state, slope, length)
-        stages = min(max(2, 1 + ceil(sqrt(1 + 1.54 * length * largest))), self.stages)
-        coefficients = chebyshev_coefficients(stages)
-        before, current = state, state + coefficients[0] * length * slope
-        for j in range(1, stages):
-            mix, previous, new, first = coefficients[1][j - 1]
-            change = rate(current)
-            following = (
-                (1 - mix - previous) * state
-                + mix * current
-                + previous * before
-                + length * (new * change + first * slope)
-            )
-            before, current = current, following
-        end = rate(current)
-        error = 0.8 * (state - current) + 0.4 * length * (slope + end)
-        return Step(current, end, error, stages)
+        return chebyshev(rate, state, slope, length, self._stages(length, largest))
 
-    def first_length(self, largest: float) -> float:
-        """Length of the first step: one that plain Euler could take."""
-        return min(1.0 / max(largest, 1e-12), self.longest)
+    def _stages(self, length: float, largest: float) -> int:
+        """Stages that make an explicit step stable, at most those allowed."""
+        return min(max(2, 1 + ceil(sqrt(1 + 1.54 * length * largest))), self.stages)
 
-    def next_length(self, length: float, error: float, power: int) -> tuple[bool, float]:
-        """Whether a step is accepted, and the length of the next attempt.
+    def first_lengths(self, largest: float) -> Lengths:
+        """Lengths of the first step: one that plain Euler could take."""
+        length = min(1.0 / max(largest, 1e-12), self.longest)
+        return Lengths(length, length)
 
-        The ``error`` is proportional to the length to a ``power``."""
+    def next_lengths(
+        self, lengths: Lengths, length: float, errors: Errors, power: int, implicit: bool
+    ) -> tuple[bool, Lengths]:
+        """Whether a step of a ``length`` is accepted, and the lengths of the next attempt.
+
+        Errors are proportional to the length to a ``power``.  An accepted step proposes the length
+        of the other method, too.  The length of an implicit step that failed recovers slowly: the
+        shape may be too far from round.
+        """
+        loose, strict = (
+            self._following(length, e, power)
+            for e in (errors.whole, max(errors.whole, errors.shape))
+        )
+        if implicit:
+            if strict[0] > 1.0:
+                return False, Lengths(lengths.explicit, strict[1], strict[1])
+            return True, Lengths(strict[1], strict[1])
+        if loose[0] > 1.0:
+            return False, replace(lengths, explicit=loose[1])
+        trusted = RECOVERY * lengths.trusted
+        return True, Lengths(loose[1], min(strict[1], trusted), trusted)
+
+    def _following(self, length: float, error: float, power: int) -> tuple[float, float]:
+        """An error as a share of the tolerance, and the length that should follow."""
         share = error / self.tolerance
         factor = min(max(0.8 * max(share, 1e-9) ** (-1 / power), 0.2), 2.0)
-        return share <= 1.0, min(length * factor, self.longest)
+        return share, min(length * factor, self.longest)
 
-    def bound(self, largest: float) -> float:
-        """Longest step that is stable with the allowed stages."""
-        return 0.65 * (self.stages**2 - 1) / max(largest, 1e-12)
+    def choose(self, lengths: Lengths, longest: float, largest: float) -> tuple[bool, float]:
+        """Whether the next step is implicit, and its length, at most ``longest``: the method with
+        more time for an evaluation; explicit steps must be stable with the allowed stages."""
+        stable = 0.65 * (self.stages**2 - 1) / max(largest, 1e-12)
+        explicit, implicit = min(lengths.explicit, stable, longest), min(lengths.implicit, longest)
+        gain = explicit / self._stages(explicit, largest)
+        if largest > 0.0 and implicit / IMPLICIT_COST > gain:
+            return True, implicit
+        return False, explicit
 
 
 Stepper = Euler | Adaptive
+
+
+def chebyshev(rate: Rate, state: Array, slope: Array, length: float, stages: int) -> Step:
+    """A step of order 2 by as many evaluations as ``stages``, the last one of the slope at its
+    end, with an error estimate."""
+    coefficients = chebyshev_coefficients(stages)
+    before, current = state, state + coefficients[0] * length * slope
+    for j in range(1, stages):
+        mix, previous, new, first = coefficients[1][j - 1]
+        change = rate(current)
+        following = (
+            (1 - mix - previous) * state
+            + mix * current
+            + previous * before
+            + length * (new * change + first * slope)
+        )
+        before, current = current, following
+    end = rate(current)
+    error = 0.8 * (state - current) + 0.4 * length * (slope + end)
+    return Step(current, end, error, stages)
+
+
+def rosenbrock(rate: Rate, state: Array, slope: Array, length: float, damping: Damping) -> Step:
+    """A linearly implicit step of order 3 with an error estimate of order 2 and, for states
+    between its ends, damped slopes there: those of the rate are off by what a tiny change of the
+    state makes of them."""
+    slopes = rosenbrock_stages(rate, state, slope, length, damping)
+    error = length * ((WEIGHTS - WEIGHTS_LOW) @ slopes)
+    ends = START @ slopes, (2 * WEIGHTS - START) @ slopes
+    return Step(state + length * (WEIGHTS @ slopes), None, error, len(slopes) - 1, ends=ends)
 
 
 def dormand_prince(rate: Rate, state: Array, slope: Array, length: float | Array) -> Step:
