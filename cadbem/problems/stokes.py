@@ -19,6 +19,7 @@ from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes_accuracy import Goal, analyse
 from cadbem.problems.straightness import warn_if_not_straight
 from cadbem.problems.summary import problem_overview
+from cadbem.quadrature import Rules
 from cadbem.space import Field
 from cadbem.spline.basis import Array
 
@@ -75,14 +76,20 @@ class StokesProblem(StokesEquations):
         if accuracy is not None:
             return self._adapted(accuracy, goal, most_points)
         begin = time.process_time()
-        solution = self._solved()
+        solution = self.flow()
         solution = replace(solution, seconds=time.process_time() - begin)
         if not isinstance(self.layers, CompressedLayers):
             warn_if_doubtful(solution.accuracy)
         return solution
 
-    def _solved(self) -> StokesSolution:
-        """The flow on the patches as they are."""
+    def on(self, boundary: Boundary, quadrature: Rules | None = None) -> StokesProblem:
+        """The same problem on other elements of the same faces, maybe with another quadrature."""
+        finer = replace(self, boundary=boundary, quadrature=quadrature or self.quadrature)
+        vars(finer)["openings"] = self.openings  # the same rims, whatever the elements
+        return finer
+
+    def flow(self) -> StokesSolution:
+        """What ``solve`` gives on the patches as they are, without looking at how good it is."""
         known = self.known()
         background = self.background.velocity_at(self.space.collocation.position)
         within = -self.background.pressure_at(self.inner_points)
@@ -97,14 +104,11 @@ class StokesProblem(StokesEquations):
         most_points: int,
     ) -> StokesSolution:
         """The solution on refined elements."""
-        openings = self.openings
         values: list[float] = []
 
         def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
-            rules = rules_for(self.quadrature, accuracy)
-            finer = replace(self, boundary=boundary, quadrature=rules)
-            vars(finer)["openings"] = openings  # the same rims, whatever the elements
-            solution = finer._solved()
+            finer = self.on(boundary, rules_for(self.quadrature, accuracy))
+            solution = finer.flow()
             fields = solution.velocity, solution.traction
             if not callable(goal):
                 return solution, analyse(finer, *fields, self.background, goal)

@@ -21,6 +21,7 @@ from cadbem.spline.basis import (
 )
 
 GRID = 64  # points from which it is worth while to look whether they form a grid
+NEEDLESS = 1e-12  # change of control points, as a share of their size, that is none
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,6 +166,19 @@ class Nurbs:
             values, counts = multiplicities(k)
             knots.append(np.repeat(values, counts + q - p))
         return self.rebased(target, knots)
+
+    def without_knots(self) -> Nurbs:
+        """The same shape without inner knots, in each direction where it does not need them."""
+        control, knots = self.homogeneous, list(self.knots)
+        for axis, (p, k) in enumerate(zip(self.degrees, self.knots, strict=True)):
+            ends = np.repeat([k[0], k[-1]], p + 1)
+            matrix = refinement_matrix(p, ends, p, k)
+            flat = np.moveaxis(control, axis, 0).reshape(len(matrix), -1)
+            fewer = np.linalg.lstsq(matrix, flat, rcond=None)[0]
+            if abs(matrix @ fewer - flat).max() <= NEEDLESS * abs(flat).max():
+                shape = np.moveaxis(control, axis, 0).shape[1:]
+                control, knots[axis] = np.moveaxis(fewer.reshape(-1, *shape), 0, axis), ends
+        return Nurbs.from_homogeneous(self.degrees, tuple(knots), control)
 
     def restricted(self, *bounds: tuple[float, float]) -> Nurbs:
         """The part over a segment or rectangle of parameters, which keep their meaning."""

@@ -75,6 +75,10 @@ class Placed(Protocol):
     def samples(self) -> Array:
         """Points (dim, M) all over the surface, closer together than the targets."""
 
+    @property
+    def sample_normals(self) -> Array:
+        """Outward unit normals (dim, M) at the samples."""
+
     def near_field(self, points: Array) -> NearField:
         """Evaluates the body's layers at points (dim, M) off its surface."""
 

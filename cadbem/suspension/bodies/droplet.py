@@ -140,6 +140,11 @@ class PlacedDroplet:
         return self.layers.points.position
 
     @property
+    def sample_normals(self) -> Array:
+        """Outward unit normals (dim, M) at the samples."""
+        return self.layers.points.normal
+
+    @property
     def jump(self) -> Jump | None:
         """The traction's jump, unless the law has an unknown of its own."""
         law = self.body.interface

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
+from cadbem.elements.pieces import Pieces
 from cadbem.operators.far.equivalent import Sources
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
@@ -42,7 +43,9 @@ class RigidParticle:
     The shape may be given at any place; the centre of its volume is moved to ``position`` (dim,),
     and stays where it is by default.  ``force`` (dim,) and ``torque`` (3,), or a number in a plane,
     are external ones on the centre, such as buoyancy; zero by default.  Particles that share one
-    shape share its matrix.  Raises ShapeError for a shape that is not closed.
+    shape share its matrix.  ``pieces`` are the elements of the shape that are solved on, where
+    something near asks for finer ones: None for the patches as they are.  Raises ShapeError for a
+    shape that is not closed.
     """
 
     shape: Boundary
@@ -51,6 +54,7 @@ class RigidParticle:
     torque: Vector = 0.0
     quadrature: Rules = field(default_factory=lambda: Quadrature(1e-6))
     turn: Array | None = None
+    pieces: Pieces | None = None
 
     def __post_init__(self) -> None:
         resistance(self.shape, self.quadrature)
@@ -63,14 +67,25 @@ class RigidParticle:
         return self.shape.dimension
 
     @property
-    def resistance(self) -> Resistance:
-        """The shape's matrix, shared by all that have it."""
+    def drawn(self) -> Resistance:
+        """The matrix of the shape as it was given, shared by all that have it."""
         return resistance(self.shape, self.quadrature)
+
+    def with_pieces(self, pieces: Pieces | None) -> RigidParticle:
+        """The same particle, solved on other elements."""
+        return replace(self, pieces=pieces)
+
+    @cached_property
+    def resistance(self) -> Resistance:
+        """The matrix of the elements that are solved on."""
+        if self.pieces is None:
+            return self.drawn
+        return Resistance(self.pieces.of(self.shape), self.quadrature)
 
     @cached_property
     def pose(self) -> Pose:
         """Where the particle is."""
-        centre = self.resistance.centre if self.position is None else self.position
+        centre = self.drawn.centre if self.position is None else self.position
         start = unturned(np.asarray(centre, dtype=float))
         return start if self.turn is None else replace(start, turn=self.turn)
 
@@ -87,7 +102,9 @@ class RigidParticle:
     def at(self, coordinates: Array) -> RigidParticle:
         """The particle elsewhere."""
         pose = Pose.of(coordinates, self.dimension)
-        return replace(self, position=pose.position, turn=pose.turn)
+        other = replace(self, position=pose.position, turn=pose.turn)
+        vars(other)["resistance"] = self.resistance
+        return other
 
     @property
     def centre(self) -> Array:
@@ -121,10 +138,10 @@ class RigidParticle:
 
     @cached_property
     def boundary(self) -> Boundary:
-        """The shape where it is now."""
+        """The elements of the shape where it is now."""
         turn = self.pose.matrix
         shift = self.pose.position - turn @ self.resistance.centre
-        return self.shape.transformed(turn, shift)
+        return self.resistance.boundary.transformed(turn, shift)
 
     def placed(self, rule: SelfRule) -> PlacedParticle:
         """Its geometry, which is always valid."""
@@ -152,9 +169,9 @@ class PlacedParticle:
     @cached_property
     def targets(self) -> Array:
         """The collocation points (dim, N)."""
-        return self._world(self.body.resistance.space.collocation.position)
+        return self.world(self.body.resistance.space.collocation.position)
 
-    def _world(self, points: Array) -> Array:
+    def world(self, points: Array) -> Array:
         """Points (dim, M) of the body's axes."""
         arm = points - self.body.resistance.centre[:, None]
         return self._turn @ arm + self.body.pose.position[:, None]
@@ -162,7 +179,12 @@ class PlacedParticle:
     @cached_property
     def samples(self) -> Array:
         """Points (dim, M) of a Gauss rule on the surface."""
-        return self._world(self.body.resistance.surface[0].position)
+        return self.world(self.body.resistance.surface[0].position)
+
+    @property
+    def sample_normals(self) -> Array:
+        """Outward unit normals (dim, M) at the samples."""
+        return self._turn @ self.body.resistance.surface[0].normal
 
     def sources(self, densities: Densities) -> Sources:
         """Nodes whose sum is S[q] far away."""
@@ -170,7 +192,7 @@ class PlacedParticle:
         single, _ = densities
         if single is not None:
             single = self._turn @ single @ weighted
-        return Sources(self._world(position), single)
+        return Sources(self.world(position), single)
 
     def near_field(self, points: Array) -> ParticleNearField:
         """Evaluates the particle's layer at points (dim, M) off its surface."""
@@ -203,7 +225,7 @@ class PlacedParticle:
             return load
         own = self.body.resistance
         points, weights = own.surface
-        pressure = contact_pressure(self._world(points.position))
+        pressure = contact_pressure(self.world(points.position))
         modes = rigid_motions(points.position - own.centre[:, None])
         return load - np.einsum("mcn,cn,n->m", modes, points.normal, pressure * weights)
 

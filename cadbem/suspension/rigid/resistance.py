@@ -20,6 +20,7 @@ import numpy as np
 from scipy.sparse import block_diag, csr_array, diags_array
 
 from cadbem.boundary import Boundary
+from cadbem.elements.pieces import Elements
 from cadbem.errors import ShapeError
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
@@ -95,6 +96,11 @@ class Resistance:
         arm = points.position - middle[:, None]
         first = 0.5 * (points.normal * (arm**2).sum(axis=0)) @ weights
         return middle + first / self.volume
+
+    @cached_property
+    def elements(self) -> Elements:
+        """The boundary's elements."""
+        return Elements.of(self.boundary)
 
     @cached_property
     def nearest(self) -> NearestSearch:

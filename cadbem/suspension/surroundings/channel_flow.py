@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
 
+from cadbem.elements.pieces import Elements, Pieces
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
@@ -24,12 +25,35 @@ class ChannelFlow:
     """The fluid in a channel; the ``problem``'s matrix is assembled and factorised once.
 
     ``quadrature`` serves the walls' field at the bodies; ``deflated`` False leaves the droplets'
-    equations as they stand, for comparison.
+    equations as they stand, for comparison.  ``pieces`` are the elements of the boundary's patches
+    that are solved on, where bodies ask for finer ones: None for the patches as they are.
     """
 
     problem: StokesProblem
     quadrature: Rules = field(default_factory=lambda: Quadrature(1e-5))
     deflated: bool = True
+    pieces: Pieces | None = None
+
+    def with_pieces(self, pieces: Pieces | None) -> ChannelFlow:
+        """The same flow, solved on other elements."""
+        other = replace(self, pieces=pieces)
+        vars(other).update(_enclosure=self._enclosure, drawn=self.drawn)
+        return other
+
+    def with_accuracy(self, accuracy: float) -> ChannelFlow:
+        """The flow on elements that make it as accurate without bodies."""
+        empty = self.problem.solve(accuracy)
+        assert isinstance(empty.problem, StokesProblem)
+        other = replace(self, problem=empty.problem)
+        vars(other)["empty"] = empty
+        return other
+
+    @cached_property
+    def solved(self) -> StokesProblem:
+        """The problem on the elements that are solved on."""
+        if self.pieces is None:
+            return self.problem
+        return self.problem.on(self.pieces.of(self.problem.boundary))
 
     @property
     def viscosity(self) -> float:
@@ -42,25 +66,35 @@ class ChannelFlow:
         return None
 
     @cached_property
+    def drawn(self) -> Elements:
+        """The elements of the problem's boundary."""
+        return Elements.of(self.problem.boundary)
+
+    @cached_property
+    def elements(self) -> Elements:
+        """The elements that are solved on."""
+        return self.drawn if self.pieces is None else Elements.of(self.solved.boundary)
+
+    @cached_property
     def empty(self) -> StokesSolution:
         """The flow without bodies."""
-        return self.problem.solve()
+        return self.problem.solve() if self.pieces is None else self.solved.flow()
 
     @property
     def accuracy(self) -> float:
         """Relative error of the channel's linear system."""
-        return self.problem.layers.tolerance
+        return self.solved.layers.tolerance
 
     @property
     def walls(self) -> Array:
         """The collocation points (dim, W) of the channel."""
-        return self.problem.space.collocation.position
+        return self.solved.space.collocation.position
 
     def at(self, points: Array) -> _AtPoints:
         """The flow at points (dim, M) off the walls."""
         kernel, _ = stokes_kernels(len(points))
         targets = Targets.free(np.ascontiguousarray(points))
-        potentials = Potentials(kernel, self.problem.space, targets, self.quadrature)
+        potentials = Potentials(kernel, self.solved.space, targets, self.quadrature)
         return _AtPoints(self, potentials)
 
     @cached_property
@@ -87,7 +121,7 @@ class ChannelFlow:
     def solution(self, induced: Array) -> StokesSolution:
         """The flow with bodies that induce the velocity ``induced`` (dim, W) at the walls, without
         the field of the bodies themselves."""
-        return self.empty + self.problem.reflection(induced)
+        return self.empty + self.solved.reflection(induced)
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,4 +137,4 @@ class _AtPoints:
         return solution.velocity_by(self.potentials)
 
     def reflected(self, induced: Array) -> Array:
-        return self.flow.problem.reflection(induced).velocity_by(self.potentials)
+        return self.flow.solved.reflection(induced).velocity_by(self.potentials)

@@ -1,4 +1,4 @@
-"""Droplets whose points are chosen anew between two steps."""
+"""Points of droplets, and elements of walls and particles, chosen anew between two steps."""
 
 from __future__ import annotations
 
@@ -7,9 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.body import Body
 from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet
+from cadbem.suspension.bodies.particle import PlacedParticle
 from cadbem.suspension.interface.points import AdaptivePoints
+from cadbem.suspension.multibody.elements import AdaptiveElements, Cloud
 from cadbem.suspension.time.checkpoint import Checkpoint, ends
 from cadbem.suspension.time.state import State
 
@@ -51,6 +54,30 @@ def finer_state(state: State, points: AdaptivePoints) -> State:
             bodies[i] = body.moved(shape)
     finer = _with_bodies(state, bodies)
     return finer if finer is state else replace(finer, stopped="")
+
+
+def with_elements(state: State, slope: Array | None, elements: AdaptiveElements) -> State:
+    """The state on elements of walls and particles that suit its bodies: the same one if its own
+    do.  Its bodies go on with a ``slope`` of their coordinates, if that is known."""
+    clouds = [Cloud.of(p, b.size) for p, b in zip(state.placed, state.bodies, strict=True)]
+    rates = [np.zeros_like(b.coordinates) for b in state.bodies]
+    if slope is not None:
+        rates = np.split(slope, ends(state))
+    velocities = [b.shift(rate) for b, rate in zip(state.bodies, rates, strict=True)]
+    flow = elements.flow(state.flow, clouds, velocities)
+    bodies: list[Body] = list(state.bodies)
+    for i, placed in enumerate(state.placed):
+        if isinstance(placed, PlacedParticle):
+            bodies[i] = elements.particle(i, placed, flow, clouds)
+    same = all(new is old for new, old in zip(bodies, state.bodies, strict=True))
+    guess = state.guess if same else ()
+    if flow is not state.flow:
+        environment = replace(state.environment, flow=flow)
+        state = replace(state, environment=environment)
+    elif same:
+        return state
+    count = state.evaluations + (slope is not None)
+    return replace(state, bodies=tuple(bodies), guess=guess, evaluations=count)
 
 
 def _with_bodies(state: State, bodies: Sequence[Body]) -> State:

@@ -37,7 +37,7 @@ def simulation_overview(simulation: Any) -> Overview:
     repairs = [type(r).__name__ for r in (simulation.volume, simulation.mesh) if r is not None]
     facts = (
         flow_text(simulation.flow),
-        f"{brief(simulation.stepper)}, {brief(simulation.contact)}",
+        f"{brief(simulation.choices.stepper)}, {brief(simulation.choices.contact)}",
         f"points move by {getattr(simulation.motion, '__name__', 'a rule')}, "
         f"repaired by {', '.join(repairs) or 'nothing'}",
     )

@@ -44,6 +44,7 @@ from cadbem.suspension.time.state import State
 
 Waves = NDArray[np.complex128]
 DIFFERENCE = 1e-5  # displacements for differences, in radii
+MOST_POINTS = 500  # of a droplet whose matrix is worked out
 ROUND = 1e-6  # deformation, in sizes, below which a droplet is as round as rounding lets it be
 
 
@@ -150,8 +151,12 @@ class Relaxation:
 
     @property
     def known(self) -> bool:
-        """Whether it is known how all droplets relax: not those whose law has an unknown."""
-        return all(hasattr(b.interface, "jump_of") for b in self.state.droplets)
+        """Whether it is known how all droplets relax: not those whose law has an unknown, and not
+        those with many points, whose matrix would cost more than it saves."""
+        return all(
+            hasattr(b.interface, "jump_of") and b.shape.basis.count <= MOST_POINTS
+            for b in self.state.droplets
+        )
 
     @cached_property
     def _round(self) -> list[RoundRelaxation | None]:
@@ -159,11 +164,11 @@ class Relaxation:
         flow, rule = self.state.flow, self.state.environment.rule
         return [
             round_relaxation(
-                b.shape.basis, cast(Hashable, b.interface), b.viscosity_ratio, b.size,
+                b.shape.basis, cast(Hashable, b.interface), b.viscosity_ratio, start.size,
                 flow.viscosity, rule, self.motion,
             )
             if isinstance(b, Droplet) else None
-            for b in self.starts
+            for b, start in zip(self.state.bodies, self.starts, strict=True)
         ]  # fmt: skip
 
     def damping(self, scale: float) -> Damping:

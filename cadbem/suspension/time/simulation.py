@@ -13,16 +13,18 @@ from cadbem.operators.far.equivalent import FarField
 from cadbem.progress import progress
 from cadbem.quadrature.closed import PolarRule, SelfRule
 from cadbem.spline.basis import Array
+from cadbem.suspension.bodies.accurate import accurate_body
 from cadbem.suspension.bodies.body import Body
 from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.interface.mesh import RelaxMesh
 from cadbem.suspension.interface.motion import Motion, affine_velocity
 from cadbem.suspension.interface.points import AdaptivePoints
 from cadbem.suspension.interface.volume import CorrectVolume
-from cadbem.suspension.multibody.contact import Contact, StopAtGap, check_start
+from cadbem.suspension.multibody.contact import Contact, check_start
 from cadbem.suspension.multibody.environment import Environment
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
-from cadbem.suspension.time.adapting import adapted_state, finer_state
+from cadbem.suspension.time.adapting import adapted_state, finer_state, with_elements
 from cadbem.suspension.time.checkpoint import (
     Checkpoint,
     coordinates,
@@ -30,11 +32,12 @@ from cadbem.suspension.time.checkpoint import (
     ends,
     moved,
 )
+from cadbem.suspension.time.choices import Choices, choices
 from cadbem.suspension.time.limits import bounded, leaving, longest_step, output_times, too_far
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
-from cadbem.suspension.time.stepping import Adaptive, Errors, Lengths, Step, Stepper
+from cadbem.suspension.time.stepping import Errors, Lengths, Step, Stepper
 from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
@@ -45,23 +48,34 @@ FIRST_MOVES = 10.0  # the first step is a share of the time in which a body move
 class Simulation:
     """One body or several, droplets and rigid particles, in a ``flow``, unbounded or in a channel.
 
+    With an ``accuracy``, such as 1e-3, the program chooses what makes results about as accurate,
+    relative to the bodies' sizes: the channel's elements, which become small near bodies; those of
+    particles near others; the points of droplets; and the steps.  The channel's problem is then
+    given with its patches as they were read.
+
     ``stepper`` advances in time; ``motion`` chooses how points move along droplets; ``volume`` and
     ``mesh`` repair their shapes after each step, or do not (None); ``rule`` integrates over them;
     ``contact`` is the rule for narrow gaps; ``far`` are the equivalent sources of distant bodies
-    (None: direct sums); ``points`` chooses the points of droplets anew (None: they stay).  Bodies
-    that reach an opening of the channel have left and are taken out; the run ends with the last.
+    (None: direct sums); ``points`` chooses the points of droplets anew.  Of these, ``stepper``,
+    ``contact`` and ``points`` follow from the accuracy if they are left out; without it they are
+    ``Adaptive()``, ``StopAtGap()``, and points that stay.  Bodies that reach an opening of the
+    channel have left and are taken out; the run ends with the last.
     """
 
     flow: Surroundings
     bodies: Body | Sequence[Body]
-    stepper: Stepper = Adaptive()
+    stepper: Stepper | None = None
     motion: Motion = affine_velocity
     volume: CorrectVolume | None = CorrectVolume()
     mesh: RelaxMesh | None = None
     rule: SelfRule = PolarRule()
-    contact: Contact = StopAtGap()
+    contact: Contact | None = None
     far: FarField | None = FarField()
     points: AdaptivePoints | None = None
+    accuracy: float | None = None
+
+    def __post_init__(self) -> None:
+        self.choices  # noqa: B018  refuses what cannot be
 
     def __repr__(self) -> str:
         return simulation_overview(self).text()
@@ -73,6 +87,8 @@ class Simulation:
     def start(self) -> State:
         """The state at time 0."""
         bodies = tuple(self.bodies) if isinstance(self.bodies, Sequence) else (self.bodies,)
+        if self.accuracy is not None:
+            bodies = tuple(accurate_body(b, self.accuracy) for b in bodies)
         return State(self.environment, 0.0, bodies, tuple(range(1, len(bodies) + 1)))
 
     @property
@@ -80,10 +96,18 @@ class Simulation:
         """The first droplet at the beginning."""
         return self.start.droplet
 
-    @property
+    @cached_property
+    def choices(self) -> Choices:
+        """What is given or goes with the accuracy."""
+        return choices(self.accuracy, self.stepper, self.contact, self.points)
+
+    @cached_property
     def environment(self) -> Environment:
-        """The surroundings and rules that all states of the run share."""
-        return Environment(self.flow, self.rule, self.contact, self.far)
+        """The surroundings and rules at the beginning of the run."""
+        flow = self.flow
+        if self.accuracy is not None and isinstance(flow, ChannelFlow):
+            flow = flow.with_accuracy(self.accuracy)
+        return Environment(flow, self.rule, self.choices.contact, self.far)
 
     def run(self, end: float, every: float | None = None) -> Iterator[State]:
         """States at time 0, at each multiple of ``every`` (or after each step), and at ``end``.
@@ -106,11 +130,12 @@ class Simulation:
         if not 0 < end < np.inf or every is not None and not every > 0:
             raise ShapeError(f"run(end={end}, every={every}): times must be positive")
         if since is None:
-            check_start(self.flow, self.start.placed, self.start.numbers)
-            slope = self.slope(self.start)
-            rate = self._first_rate(self.start, slope)
-            since = Checkpoint(self.start, slope, self.stepper.first_lengths(rate))
-            yield [self.start], since
+            check_start(self.environment.flow, self.start.placed, self.start.numbers)
+            start = self._first_state()
+            slope = self.slope(start)
+            rate = self._first_rate(start, slope)
+            since = Checkpoint(start, slope, self.choices.stepper.first_lengths(rate))
+            yield [start], since
         now = since.state.time
         wanted = [time for time in output_times(end, every) if time > now * (1 + 1e-12)]
         with progress(label="time", total=end, initial=now) as bar:
@@ -131,8 +156,9 @@ class Simulation:
             checkpoint = after = self._adapted(self._without_left(checkpoint))
             if not checkpoint.state.stopped:
                 after = self._step_to(checkpoint, end)
-            while after.state.steps == checkpoint.state.steps and self.points is not None:
-                finer = self._moved_to(checkpoint, finer_state(checkpoint.state, self.points))
+            points = self.choices.points
+            while after.state.steps == checkpoint.state.steps and points is not None:
+                finer = self._moved_to(checkpoint, finer_state(checkpoint.state, points))
                 if finer is checkpoint:
                     break
                 checkpoint, after = finer, self._step_to(finer, end)
@@ -144,11 +170,24 @@ class Simulation:
         return self._step(checkpoint, end - checkpoint.state.time, SMALLEST_STEP * end)
 
     def _adapted(self, checkpoint: Checkpoint) -> Checkpoint:
-        """The checkpoint with the points that its droplets need: the same one if they have them."""
-        if self.points is None:
+        """The checkpoint with the points and elements that its bodies need: the same one if they
+        have them."""
+        points, elements = self.choices.points, self.choices.elements
+        if points is not None:
+            starts = [start for _, start in self._with_starts(checkpoint.state)]
+            checkpoint = self._moved_to(checkpoint, adapted_state(checkpoint, starts, points))
+        if elements is None or checkpoint.state.stopped:
             return checkpoint
-        starts = [start for _, start in self._with_starts(checkpoint.state)]
-        return self._moved_to(checkpoint, adapted_state(checkpoint, starts, self.points))
+        state = with_elements(checkpoint.state, checkpoint.slope, elements)
+        if state is checkpoint.state:
+            return checkpoint
+        return replace(checkpoint, state=state, slope=self.slope(state))
+
+    def _first_state(self) -> State:
+        """The state at time 0, with elements that suit its bodies."""
+        if self.choices.elements is None:
+            return self.start
+        return with_elements(self.start, None, self.choices.elements)
 
     def _moved_to(self, checkpoint: Checkpoint, state: State) -> Checkpoint:
         """The checkpoint with another state at the same time."""
@@ -167,12 +206,12 @@ class Simulation:
         longest = min(longest, longest_step(checkpoint))
         evaluations = state.evaluations
         while True:
-            implicit, length = self.stepper.choose(lengths, longest, largest)
+            implicit, length = self.choices.stepper.choose(lengths, longest, largest)
             if length <= smallest:
                 break
             rate, relaxing = _Rate(self, state, state.guess), relaxation.damping
             try:
-                step = self.stepper.attempt(
+                step = self.choices.stepper.attempt(
                     rate, coordinates(state), checkpoint.slope, length, largest,
                     relaxing if implicit else None,
                 )  # fmt: skip
@@ -180,7 +219,7 @@ class Simulation:
                 errors = Errors(
                     self._error(state, step.error), relaxation.error(step.error, step.state)
                 )
-                accepted, lengths = self.stepper.next_lengths(
+                accepted, lengths = self.choices.stepper.next_lengths(
                     lengths, length, errors, step.power, implicit
                 )
                 if accepted:
@@ -221,7 +260,7 @@ class Simulation:
         The state is made anew only where it changes: it has its gaps worked out.
         """
         reasons = [b.unresolved() for b in after.bodies]
-        reasons += [self.contact.reason(gap) for gap in after.gaps]
+        reasons += [self.choices.contact.reason(gap) for gap in after.gaps]
         if any(reasons):
             stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
             return Checkpoint(replace(old, stopped=stopped), np.empty(0), lengths)
