@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, replace
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ import h5py
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.elements.pieces import Pieces
 from cadbem.errors import ResultsError
 from cadbem.files import write_whole
 from cadbem.spline.basis import Array
@@ -21,7 +22,9 @@ from cadbem.spline.nurbs import Nurbs
 from cadbem.suspension.bodies.body import Body
 from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.bodies.particle import RigidParticle
+from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.rigid.pose import Pose
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
@@ -29,6 +32,8 @@ from cadbem.suspension.time.stepping import Lengths
 
 Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
+ELEMENTS = "elements"
+GEOMETRY = ("coordinates", ELEMENTS)
 COUNTS = ("time", "steps", "evaluations", "length", "drift", "stopped")
 
 
@@ -62,25 +67,55 @@ def write_state(place: h5py.Group, state: State) -> None:
         place.attrs[name] = getattr(state, name)
     place.attrs["left"] = json.dumps(state.left)
     place.attrs["numbers"] = np.array(state.numbers, dtype=np.int64)
+    if isinstance(state.flow, ChannelFlow):
+        _write_pieces(place, state.flow.pieces)
     for number, body in zip(state.numbers, state.bodies, strict=True):
-        _write_coordinates(place, f"body_{number}/coordinates", body)
+        _write_coordinates(place.create_group(f"body_{number}"), body)
     for k, guess in enumerate(state.guess):
         place[f"guess/{k}"] = guess
 
 
-def _write_coordinates(place: h5py.Group, name: str, body: Body) -> None:
-    """A body's coordinates; a droplet's with the basis that it has by then."""
-    place[name] = body.coordinates
+def _write_coordinates(place: h5py.Group, body: Body) -> None:
+    """A body's coordinates; a droplet's with the basis that it has by then, a particle's with its
+    elements."""
+    place["coordinates"] = body.coordinates
     if isinstance(body, Droplet):
         basis = body.shape.basis
-        place[name].attrs.update(degree=basis.degree, points=basis.shape)
+        place["coordinates"].attrs.update(degree=basis.degree, points=basis.shape)
+    elif isinstance(body, RigidParticle):
+        _write_pieces(place, body.pieces)
 
 
-def _body(start: Body, coordinates: h5py.Dataset) -> Body:
-    """A body with coordinates that were written, from what it was at the start."""
+def _write_pieces(place: h5py.Group, pieces: Pieces | None) -> None:
+    """Elements that were chosen anew."""
+    if pieces is not None:
+        part = place.create_group(ELEMENTS)
+        part["patch"], part["box"], part["degree"] = pieces.patch, pieces.box, pieces.degree
+
+
+def _pieces(place: h5py.Group) -> Pieces | None:
+    """The elements that were written, if they were."""
+    part = place.get(ELEMENTS)
+    if part is None:
+        return None
+    return Pieces(part["patch"][:], part["box"][:], part["degree"][:])
+
+
+def _body(start: Body, place: h5py.Group) -> Body:
+    """A body as it was written, from what it was at the start."""
     if isinstance(start, Droplet):
-        return start.moved(_spline(start.shape, coordinates))
-    return start.at(coordinates[:])
+        return start.moved(_spline(start.shape, place["coordinates"]))
+    if isinstance(start, RigidParticle) and (pieces := _pieces(place)) is not None:
+        start = start.with_pieces(pieces)
+    return start.at(place["coordinates"][:])
+
+
+def _environment(place: h5py.Group, start: Environment) -> Environment:
+    """The surroundings on the elements that were written."""
+    pieces = _pieces(place)
+    if pieces is None or not isinstance(start.flow, ChannelFlow):
+        return start
+    return replace(start, flow=start.flow.with_pieces(pieces))
 
 
 def _spline(start: ClosedSpline, coordinates: h5py.Dataset) -> ClosedSpline:
@@ -101,8 +136,8 @@ def read_state(place: h5py.Group, simulation: Simulation) -> State:
     starts = simulation.start.bodies
     guess = place.get("guess", {})
     return State(
-        simulation.environment,
-        bodies=tuple(_body(starts[n - 1], place[f"body_{n}/coordinates"]) for n in numbers),
+        _environment(place, simulation.environment),
+        bodies=tuple(_body(starts[n - 1], place[f"body_{n}"]) for n in numbers),
         numbers=numbers,
         left={int(n): text for n, text in json.loads(place.attrs["left"]).items()},
         guess=tuple(guess[str(k)][:] for k in range(len(guess))),
@@ -134,7 +169,7 @@ def write_fields(place: h5py.Group, fields: Fields) -> None:
 def read_fields(place: h5py.Group) -> dict[int, dict[str, Array]]:
     """The fields that were written, by number and name of the body."""
     return {
-        int(n): {k: v[:] for k, v in place[f"body_{n}"].items() if k != "coordinates"}
+        int(n): {k: v[:] for k, v in place[f"body_{n}"].items() if k not in GEOMETRY}
         for n in place.attrs["numbers"]
     }
 
@@ -154,13 +189,15 @@ class ReferenceShape:
             return cls(body.shape, body.resistance.centre)
         return cls(body.shape)  # type: ignore[attr-defined]
 
-    def at(self, coordinates: h5py.Dataset) -> Shape:
-        """The shape with a body's coordinates, as they were written."""
+    def at(self, place: h5py.Group) -> Shape:
+        """The shape of a body as it was written."""
+        coordinates = place["coordinates"]
         if isinstance(self.shape, ClosedSpline):
             return _spline(self.shape, coordinates)
         assert self.centre is not None
-        pose = Pose.of(coordinates[:], self.shape.dimension)
-        return self.shape.transformed(pose.matrix, pose.position - pose.matrix @ self.centre)
+        pose, pieces = Pose.of(coordinates[:], self.shape.dimension), _pieces(place)
+        shape = self.shape if pieces is None else pieces.of(self.shape)
+        return shape.transformed(pose.matrix, pose.position - pose.matrix @ self.centre)
 
 
 def write_reference_shape(place: h5py.Group, reference: ReferenceShape) -> None:

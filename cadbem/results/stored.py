@@ -53,7 +53,7 @@ class StoredRun:
         """The bodies at one of the times, with their fields."""
         with reading(frame_file(self.folder, index)) as place:
             shapes = {
-                int(n): self._reference_shapes[int(n)].at(place[f"body_{n}/coordinates"])
+                int(n): self._reference_shapes[int(n)].at(place[f"body_{n}"])
                 for n in place.attrs["numbers"]
             }
             return Frame(float(place.attrs["time"]), shapes, read_fields(place))

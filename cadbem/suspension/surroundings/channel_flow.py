@@ -48,6 +48,12 @@ class ChannelFlow:
         vars(other)["empty"] = empty
         return other
 
+    def forget(self) -> None:
+        """Drop what is large and can be worked out again: the matrix of elements near bodies."""
+        if self.pieces is not None:
+            for name in ("solved", "empty"):
+                vars(self).pop(name, None)
+
     @cached_property
     def solved(self) -> StokesProblem:
         """The problem on the elements that are solved on."""

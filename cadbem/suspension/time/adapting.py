@@ -13,6 +13,7 @@ from cadbem.suspension.bodies.droplet import Droplet, PlacedDroplet
 from cadbem.suspension.bodies.particle import PlacedParticle
 from cadbem.suspension.interface.points import AdaptivePoints
 from cadbem.suspension.multibody.elements import AdaptiveElements, Cloud
+from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.checkpoint import Checkpoint, ends
 from cadbem.suspension.time.state import State
 
@@ -72,6 +73,8 @@ def with_elements(state: State, slope: Array | None, elements: AdaptiveElements)
     same = all(new is old for new, old in zip(bodies, state.bodies, strict=True))
     guess = state.guess if same else ()
     if flow is not state.flow:
+        if isinstance(state.flow, ChannelFlow):
+            state.flow.forget()  # states that are kept hold on to it
         environment = replace(state.environment, flow=flow)
         state = replace(state, environment=environment)
     elif same:
