@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cadbem.errors import InputError
 from cadbem.overviews import nurbs_text
 from cadbem.spline.basis import (
     Array,
@@ -29,7 +30,7 @@ class Nurbs:
 
     ``degrees`` and open ``knots`` one a parameter; Cartesian control ``points``
     (n_1[, n_2], dim) in the model's unit of length; positive ``weights`` (n_1[, n_2]).
-    Raises ``ValueError`` when the shapes do not fit together.
+    Raises ``InputError`` when the shapes do not fit together.
     """
 
     degrees: tuple[int, ...]
@@ -40,12 +41,14 @@ class Nurbs:
     def __post_init__(self) -> None:
         counts = tuple(map(function_count, self.degrees, self.knots))
         if self.points.shape[:-1] != counts or self.weights.shape != counts:
-            raise ValueError(
+            raise InputError(
                 f"knots and degrees ask for {counts} control points; "
                 f"points have shape {self.points.shape}, weights {self.weights.shape}"
             )
-        if not (self.weights > 0).all():
-            raise ValueError("weights must be positive")
+        if not (self.weights > 0).all() or not np.isfinite(self.weights).all():
+            raise InputError("weights must be positive")
+        if not np.isfinite(self.points).all():
+            raise InputError("points has numbers that are not finite; give finite coordinates")
 
     __repr__ = nurbs_text
 
@@ -88,7 +91,7 @@ class Nurbs:
         (dim, *broadcast shape).  Quotient rule on homogeneous derivatives (NURBS Book, 4.5).
         """
         if order > 2:
-            raise ValueError("derivatives are available to order 2")
+            raise InputError("derivatives are available to order 2")
         grids = np.broadcast_arrays(*[np.asarray(p, dtype=float) for p in parameters])
         homogeneous = self._homogeneous_derivatives(order, grids)
         result: dict[tuple[int, ...], Array] = {}

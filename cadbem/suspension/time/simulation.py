@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from cadbem.checks import positive
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.far.equivalent import FarField
 from cadbem.progress import progress
@@ -103,8 +104,9 @@ class Simulation:
         From that, as ``since``, another call goes on as if there had been no pause.
         """
         check("end and every", (end, every), "time")
-        if not 0 < end < np.inf or every is not None and not every > 0:
-            raise ShapeError(f"run(end={end}, every={every}): times must be positive")
+        positive("end", end)
+        if every is not None:
+            positive("every", every)
         if since is None:
             check_start(self.flow, self.start.placed, self.start.numbers)
             slope = self.slope(self.start)
