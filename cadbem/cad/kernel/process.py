@@ -55,7 +55,8 @@ def import_model(source: CadSource, time_limit: float, room: str = "solid") -> K
         brep = record.read_text() if record.exists() else ""
     return KernelModel(
         brep, found["faces"], found["curves"], found["sewn"],
-        tuple(map(printable, found["solids"])), log, tuple(found["healed"]), tuple(found.get("box", ())), tuple(found.get("flat", ())),
+        tuple(map(printable, found["solids"])), log,
+        tuple(found["healed"]), tuple(found.get("box", ())), tuple(found.get("flat", ())),
         tuple(map(tuple, found.get("measures", ()))), tuple(found.get("volumes", ())),
     )  # fmt: skip
 
