@@ -37,6 +37,8 @@ class Patch:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "name", printable(self.name))
+        if not np.isfinite(self.surface.points).all():
+            raise InputError("the surface's points are not all finite; give finite coordinates")
 
     def middle(self) -> SurfacePoints:
         """The point in the middle of the parameter domain."""

@@ -169,7 +169,10 @@ DOORS: dict[str, Door] = {
     "Inflow": (cb.Inflow, {"mean_velocity": NOT_FINITE, "flow_rate": NOT_FINITE}),
     "Nurbs": (nurbs, {
         "weights": (np.zeros((3, 3)), np.full((3, 3), np.nan), np.ones(2)),
-        "points": (np.full((3, 3, 3), np.inf), np.zeros(3)),
+        "points": (np.zeros(3), np.zeros((3, 2, 3))),
+    }),
+    "Patch.surface": (lambda points: cb.Patch(nurbs(points=points)), {
+        "points": (np.full((3, 3, 3), np.inf), np.full((3, 3, 3), np.nan)),
     }),
     "Patch": (lambda **w: cb.Patch(curve(), **w), {}),
     "Patch.quadrature": (lambda **w: channel().patches[0].quadrature(**w), {"order": COUNTS}),

@@ -8,6 +8,7 @@ import time
 from math import pi
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import pyvista
@@ -16,8 +17,7 @@ import cadbem as cb
 from cadbem.errors import ResultsError
 from cadbem.results import open_run, run_folder
 from cadbem.results.describe import described, first_difference
-from cadbem.results.encode import reading
-from cadbem.results.store import CHECKPOINT, frame_file
+from cadbem.results.progress import BEFORE, CHECKPOINT, frame_file
 from cadbem.spline.outlines import rectangle
 
 END, EVERY = 0.5, 0.05
@@ -47,7 +47,7 @@ def stored_numbers(folder: Path) -> dict[str, np.ndarray]:
     """All numbers in all frames."""
     found = {}
     for index in range(len(open_run(folder).times)):
-        with reading(frame_file(folder, index)) as file:
+        with h5py.File(frame_file(folder, index)) as file:
             def keep(name, item, index=index):
                 if hasattr(item, "shape"):
                     found[f"{index} {name}"] = item[()]
@@ -233,7 +233,8 @@ def test_one_process_at_a_time(tmp_path):
 
 def test_damaged_files_are_named(tmp_path):
     gone_through(tmp_path / "run", plane_droplet(), end=0.05)
-    (tmp_path / "run" / CHECKPOINT).write_bytes(b"no numbers")
+    for name in (CHECKPOINT, BEFORE):
+        (tmp_path / "run" / name).write_bytes(b"no numbers")
     with pytest.raises(ResultsError, match="checkpoint.h5 is missing or damaged"):
         gone_through(tmp_path / "run", plane_droplet(), resume=True)
 

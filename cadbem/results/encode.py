@@ -5,16 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass
-from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import h5py
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import ResultsError
-from cadbem.files import write_whole
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 from cadbem.spline.nurbs import Nurbs
@@ -30,30 +26,6 @@ from cadbem.suspension.time.stepping import Lengths
 Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
 COUNTS = ("time", "steps", "evaluations", "length", "drift", "stopped")
-
-
-class Writing:
-    """``with Writing(path) as file``: an HDF5 file that appears at once when the block ends."""
-
-    def __init__(self, path: Path) -> None:
-        self._path, self._memory = path, BytesIO()
-
-    def __enter__(self) -> h5py.File:
-        self._file = h5py.File(self._memory, "w")
-        return self._file
-
-    def __exit__(self, kind: object, *reference: object) -> None:
-        self._file.close()
-        if kind is None:
-            write_whole(self._path, self._memory.getvalue())
-
-
-def reading(path: Path) -> h5py.File:
-    """The file, to read; raises ``ResultsError`` when it is missing or damaged."""
-    try:
-        return h5py.File(path, "r")
-    except OSError as error:
-        raise ResultsError(f"{path} is missing or damaged; start the run anew") from error
 
 
 def write_state(place: h5py.Group, state: State) -> None:

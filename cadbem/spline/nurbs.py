@@ -47,8 +47,6 @@ class Nurbs:
             )
         if not (self.weights > 0).all() or not np.isfinite(self.weights).all():
             raise InputError("weights must be positive")
-        if not np.isfinite(self.points).all():
-            raise InputError("points has numbers that are not finite; give finite coordinates")
 
     __repr__ = nurbs_text
 

@@ -8,7 +8,6 @@ from functools import cached_property
 
 import numpy as np
 
-from cadbem.checks import positive
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.far.equivalent import FarField
 from cadbem.progress import progress
@@ -31,12 +30,18 @@ from cadbem.suspension.time.checkpoint import (
     ends,
     moved,
 )
-from cadbem.suspension.time.limits import bounded, leaving, longest_step, output_times, too_far
+from cadbem.suspension.time.limits import (
+    bounded,
+    check_times,
+    leaving,
+    longest_step,
+    output_times,
+    too_far,
+)
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
 from cadbem.suspension.time.stepping import Adaptive, Errors, Lengths, Step, Stepper
-from cadbem.units import check
 
 SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
 FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
@@ -103,15 +108,10 @@ class Simulation:
 
         From that, as ``since``, another call goes on as if there had been no pause.
         """
-        check("end and every", (end, every), "time")
-        positive("end", end)
-        if every is not None:
-            positive("every", every)
+        check_times(end, every)
         if since is None:
             check_start(self.flow, self.start.placed, self.start.numbers)
-            slope = self.slope(self.start)
-            rate = self._first_rate(self.start, slope)
-            since = Checkpoint(self.start, slope, self.stepper.first_lengths(rate))
+            since = self.beginning(self.start)
             yield [self.start], since
         now = since.state.time
         wanted = [time for time in output_times(end, every) if time > now * (1 + 1e-12)]
@@ -126,6 +126,13 @@ class Simulation:
                     wanted = wanted[1:]
                     kept.append(state)
                 yield kept, after
+
+    def beginning(self, state: State) -> Checkpoint:
+        """A checkpoint at a state, with the length of a first step."""
+        slope = self.slope(state)
+        # the fastest rate, that of motion included
+        rate = max(self.fastest(state), FIRST_MOVES * self._error(state, slope))
+        return Checkpoint(state, slope, self.stepper.first_lengths(rate))
 
     def _march(self, checkpoint: Checkpoint, end: float) -> Iterator[tuple[Checkpoint, Checkpoint]]:
         """Accepted steps up to ``end``, or to the last sound shapes."""
@@ -267,10 +274,6 @@ class Simulation:
         """Rate of change of all coordinates, flat."""
         pairs = zip(state.placed, state.responses, strict=True)
         return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
-
-    def _first_rate(self, start: State, slope: Array) -> float:
-        """The fastest rate at the beginning, that of motion included."""
-        return max(self.fastest(start), FIRST_MOVES * self._error(start, slope))
 
     def fastest(self, state: State) -> float:
         """Rate at which the shortest waves that the points carry relax, at most."""
