@@ -3,6 +3,8 @@
 import json
 import os
 import shutil
+import subprocess
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
@@ -439,6 +441,25 @@ def test_a_script_of_somebody_else_is_asked_for(scripted, capsys):
     os.chown(script, 1234, 1234)
     assert main(["resume", str(folder)]) == 2
     assert "belongs to another user" in capsys.readouterr().err
+
+
+def test_a_run_keeps_the_cores_that_it_began_with(scripted, tmp_path):
+    """The last digits depend on their number; other ones are used if they are asked for."""
+    script, folder = scripted
+
+    def cores(folder: Path) -> tuple[int, int]:
+        asked = json.loads((folder / "run.json").read_text())
+        return asked["cores"], asked["threads"]
+
+    command = [sys.executable, "-m", "cadbem"]
+    one = tmp_path / "one"
+    subprocess.run([*command, "run", "--cores", "1", script, "-o", one], check=True)
+    assert cores(one) == (1, 1)
+    subprocess.run([*command, "resume", one, "--end", "0.15"], check=True)
+    assert cores(one) == (1, 1)
+    subprocess.run([*command, "resume", one, "--end", "0.2", "--cores", "2"], check=True)
+    assert cores(one) == (2, 2)
+    assert "cores are 2, were 1: last digits may differ" in (one / "log.txt").read_text()
 
 
 def test_mend_is_an_option(scripted, capsys):

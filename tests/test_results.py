@@ -106,6 +106,32 @@ def test_killed_at_random_moments(tmp_path, simulation, longest):
     assert same_tables(whole, pieces)
 
 
+def channel_with_a_mixture() -> cb.Simulation:
+    """A droplet, λ = 2, and a sphere between the walls of a duct."""
+    names = ("inlet", "outlet", "walls", "walls", "walls", "walls")
+    sides = zip(cb.box((-2, -1, -1), (2, 1, 1)), names, strict=True)
+    duct = cb.Boundary(tuple(cb.Patch(side, name) for side, name in sides)).elevated(2).refined(2)
+    data = {"inlet": cb.Inflow(1.0), "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
+    droplet = cb.Droplet(cb.spline_sphere(0.4, (-0.5, 0.1, 0.0), 72), cb.SurfaceTension(2.0), 2.0)
+    bodies = [droplet, cb.rigid_sphere(0.3, (0.6, 0.0, 0.1), spans=1)]
+    return cb.Simulation(cb.ChannelFlow(cb.StokesProblem(duct, 1.0, data)), bodies)
+
+
+@pytest.mark.parametrize("kept", [pytest.param(1, marks=pytest.mark.long), 3])
+def test_a_channel_with_a_droplet_and_a_sphere_goes_on_to_the_last_bit(tmp_path, kept: int):
+    whole, pieces = tmp_path / "whole", tmp_path / "pieces"
+    gone_through(whole, channel_with_a_mixture(), end=0.2)
+    states = run_folder(pieces).run(channel_with_a_mixture(), 0.2, EVERY)
+    for _ in range(kept):
+        next(states)
+    states.close()
+    gone_through(pieces, channel_with_a_mixture(), resume=True, end=0.2)
+    expected, found = stored_numbers(whole), stored_numbers(pieces)
+    for name, values in expected.items():
+        np.testing.assert_array_equal(found[name], values, err_msg=name)
+    assert same_tables(whole, pieces)
+
+
 def test_from_the_outside(tmp_path):
     """A finished run: what was asked, tables of the shapes' own measures, and ParaView's frames
     whose points lie on the stored surfaces."""

@@ -111,8 +111,12 @@ def add_sweep(commands: Commands) -> None:
 
 def _add_cores(parser: Parser) -> None:
     parser.add_argument(
-        "--cores", type=counting, metavar="N", help="cores to use (default: all that there are)"
+        "--cores",
+        type=counting,
+        metavar="N",
+        help="cores to use (default: all that there are, or those that a run began with)",
     )
+    parser.set_defaults(threads=None)
 
 
 def _add_engine(parser: Parser) -> None:
@@ -134,7 +138,9 @@ def _add_engine(parser: Parser) -> None:
 def _run(options: Options) -> None:
     script = _script(options)
     if options.cores:
-        _limit(options.cores)
+        from cadbem.operators.parallel import use_cores
+
+        use_cores(options.cores, options.threads or options.cores)
     if options.tied:
         Thread(target=_end_with_parent, daemon=True).start()
     sys.argv = [str(script), *options.arguments]
@@ -154,15 +160,6 @@ def _end_with_parent() -> None:
     while os.read(0, 1):
         pass
     os._exit(INTERRUPTED)
-
-
-def _limit(cores: int) -> None:
-    """Use so many cores, of linear algebra too, which reads its number when it is loaded."""
-    for library in ("OPENBLAS", "OMP", "MKL"):
-        os.environ[f"{library}_NUM_THREADS"] = str(cores)
-    from cadbem.operators.parallel import CORES
-
-    CORES.set(cores)
 
 
 def _resume(options: Options) -> Any:
@@ -189,6 +186,9 @@ def _resume(options: Options) -> Any:
     given = manifest["arguments"] | {"output": str(folder)}
     words = [word for name, value in given.items() for word in _option(name, value)]
     options.script, options.tied = str(script), False
+    if options.cores is None:  # the last digits depend on them
+        options.cores = max(1, manifest["cores"])
+        options.threads = max(1, manifest["threads"])
     options.arguments = [*words, *options.arguments, "--resume"]
     MEND.set(options.mend)
     return _run(options)

@@ -196,6 +196,9 @@ def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]
             was = before[kind].get(name)
             if value != was and name not in ("output", "resume"):
                 yield f"{name} is {value}, was {was}"
+    for name in ("cores", "threads"):
+        if now[name] != before[name]:
+            yield f"{name} are {now[name]}, were {before[name]}: last digits may differ"
 
 
 def _plain(name: str, value: Any) -> float | str:

@@ -16,6 +16,7 @@ from typing import Any
 
 from cadbem.command import CURRENT, Command
 from cadbem.errors import ResultsError
+from cadbem.operators.parallel import CORES, linear_algebra_threads
 
 REMEDY = "put back a sound copy of it, or begin anew in another folder"
 LIBRARIES = ("cadbem", "gmsh", "numpy", "scipy", "numba", "pyvista", "h5py")
@@ -29,6 +30,8 @@ KINDS: dict[str, tuple[Any, Any]] = {
     "began": (str, object),
     "working_folder": (str, object),
     "versions": (dict, str),
+    "cores": (int, object),
+    "threads": (int, object),
 }
 
 
@@ -50,7 +53,8 @@ def check_manifest(values: Any, path: Path) -> dict[str, Any]:
 def manifest_of(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
     """The command that is carried out, else the function that calls: its file with the digest, its
     arguments that are numbers, words or truth values; versions, machine, time; the ``inputs`` with
-    their digests."""
+    their digests; how many cores and threads of linear algebra it has, on which the last digits
+    depend."""
     command = CURRENT.get() or _call(caller)
     plain = {
         name: value
@@ -64,6 +68,8 @@ def manifest_of(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, An
         "began": datetime.now().astimezone().isoformat(timespec="seconds"),
         "working_folder": str(Path.cwd()),
         "versions": {"python": platform.python_version()} | _versions(),
+        "cores": CORES.get(),
+        "threads": linear_algebra_threads(),
         "machine": f"{platform.platform()}, {os.cpu_count()} cores",
     }
 
