@@ -43,6 +43,7 @@ if TYPE_CHECKING:
     from cadbem.errors import CadWarning as CadWarning
     from cadbem.errors import ConditionError as ConditionError
     from cadbem.errors import DisplayError as DisplayError
+    from cadbem.errors import InputError as InputError
     from cadbem.errors import ResultsError as ResultsError
     from cadbem.errors import SelectionError as SelectionError
     from cadbem.errors import ShapeError as ShapeError
@@ -171,7 +172,8 @@ _NAMES = {
     "design.wall_shear": ("WallShear", "wall_shear"),
     "errors": (
         "AccuracyWarning", "CadError", "CadWarning", "CadbemError", "ConditionError",
-        "DisplayError", "ResultsError", "SelectionError", "ShapeError", "UnitsError",
+        "DisplayError", "InputError", "ResultsError", "SelectionError", "ShapeError",
+        "UnitsError",
     ),  # fmt: skip
     "extension": ("extended",),
     "operators.compressed.storage": ("Compressed", "Dense"),

@@ -8,7 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cadbem.errors import SelectionError
+from cadbem.checks import finite, not_negative, positive, shaped, vector, whole
+from cadbem.errors import InputError, SelectionError, printable
 from cadbem.overviews import boundary_overview
 from cadbem.points import SurfacePoints, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
@@ -18,6 +19,9 @@ from cadbem.spline.nurbs import Nurbs
 from cadbem.spline.project import closest_point
 
 Selector = str | int | Sequence[int] | Sequence[float] | Predicate
+
+
+MOST_DEGREE, MOST_LEVELS, MOST_ORDER = 20, 100, 1000
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,12 +35,18 @@ class Patch:
     name: str = ""
     face: int = 0
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", printable(self.name))
+        if not np.isfinite(self.surface.points).all():
+            raise InputError("the surface's points are not all finite; give finite coordinates")
+
     def middle(self) -> SurfacePoints:
         """The point in the middle of the parameter domain."""
         return surface_points(self.surface, *[0.5 * (a + b) for a, b in self.surface.domain])
 
     def quadrature(self, order: int) -> tuple[SurfacePoints, Array]:
         """Gauss points, ``order`` a direction in each element, and weights (with Jacobian)."""
+        whole("order", order, 1, MOST_ORDER)
         rules = [
             gauss_on_breaks(order, self.surface.breaks(d)) for d in range(len(self.surface.degrees))
         ]
@@ -52,6 +62,12 @@ class Boundary:
     patches: tuple[Patch, ...]
     source: str = ""
     unit: str = ""
+
+    def __post_init__(self) -> None:
+        if not self.patches:
+            raise InputError("patches is empty; give a boundary at least one Patch")
+        object.__setattr__(self, "source", printable(self.source))
+        object.__setattr__(self, "unit", printable(self.unit))
 
     def __repr__(self) -> str:
         return boundary_overview(self).text()
@@ -144,12 +160,19 @@ class Boundary:
         return f"{number} '{patch.name}' at {middle}" if patch.name else f"{number} at {middle}"
 
     def transformed(self, matrix: ArrayLike, shift: ArrayLike = 0.0) -> Boundary:
-        """Every point x moved to ``matrix`` x + ``shift``, a rotation and a vector (dim,)."""
+        """Every point x moved to ``matrix`` x + ``shift``, a rotation and a vector (dim,).
+
+        The matrix may stretch, too; one that mirrors turns the normals round, and is refused.
+        """
+        turn = shaped("matrix", matrix, self.dimension, self.dimension)
+        vector("shift", shift, self.dimension)
+        positive("the determinant of the matrix", float(np.linalg.det(turn)))
         moved = [replace(p, surface=p.surface.transformed(matrix, shift)) for p in self.patches]
         return replace(self, patches=tuple(moved))
 
     def elevated(self, degree: int) -> Boundary:
         """Every patch raised to at least ``degree`` in each direction; the shape stays."""
+        whole("degree", degree, 1, MOST_DEGREE)
         return self._mapped(lambda s: s.elevated((degree,) * len(s.degrees)))
 
     def refined(
@@ -170,19 +193,21 @@ class Boundary:
         elements have the ``size`` there and grow by ``growth`` times the distance from it.
 
         A knot line runs across its whole patch, so that elements get smaller beside the path too.
-        Raises ``ValueError`` for sizes that are not positive or words that do not go together.
+        Raises ``InputError`` for sizes that are not positive or words that do not go together.
         """
         if sum(given is not None for given in (spans, size, elements)) != 1:
-            raise ValueError("give one of spans, size and elements")
+            raise InputError("give one of spans, size and elements")
         if near is not None and not (elements or isinstance(size, float | int)):
-            raise ValueError("near goes with a size that is one length, or with elements")
-        if near is not None and np.shape(near)[:1] != (self.dimension,):
-            raise ValueError(f"near has shape {np.shape(near)} instead of ({self.dimension}, n)")
+            raise InputError("near goes with a size that is one length, or with elements")
+        if near is not None:
+            shaped("near", near, self.dimension, *[None] * (np.ndim(near) - 1))
+        not_negative("growth", growth)
         if spans is not None:
-            rule = spans_rule(spans)
+            rule = spans_rule(whole("spans", spans))
         elif size is not None:
-            rule = size_rule(size, near, growth)
+            rule = size_rule(size, near, growth, self.dimension)
         else:
+            whole("elements", elements)
             assert elements is not None
             rule = count_rule([p.surface for p in self.patches], elements, near, growth)
         return self._mapped(lambda s: s.inserted(rule(s)))
@@ -203,10 +228,14 @@ class Boundary:
         ``toward(position, inward) -> bool`` is evaluated in the middle of each edge, with the
         direction from there into the patch; without it all edges are graded.
         """
-        if not 0 < ratio < 1:
-            raise ValueError(f"the ratio {ratio} of grading must lie between 0 and 1")
-        if (levels is None) == (size is None) or (size is not None and not size > 0):
-            raise ValueError("give either the levels of grading or a positive size")
+        if not 0 < finite("ratio", ratio) < 1:
+            raise InputError(f"the ratio {ratio} of grading must lie between 0 and 1")
+        if (levels is None) == (size is None):
+            raise InputError("give either the levels of grading or a positive size")
+        if size is not None:
+            positive("size", size)
+        if levels is not None:
+            whole("levels", levels, 1, MOST_LEVELS)
         rule = edge_rule(levels, ratio, size, toward)
         return self._mapped(lambda s: s.inserted(rule(s)))
 

@@ -19,5 +19,7 @@ class Command:
     arguments: Mapping[str, Any]
 
 
+# whether a run whose files are damaged goes on from its newest sound state
+MEND: ContextVar[bool] = ContextVar("MEND", default=False)
 # set by cb.run for as long as main runs
 CURRENT: ContextVar[Command | None] = ContextVar("CURRENT", default=None)

@@ -1,8 +1,28 @@
 """Errors that a user can correct: one line each, which names the cause and the remedy."""
 
+from unicodedata import category
+
+INVISIBLE = ("Cc", "Cf", "Cs", "Co", "Cn", "Zl", "Zp")  # controls, and what no font has
+
+
+def printable(text: str) -> str:
+    """Text of others, such as a name in a file, that does nothing to a terminal: every blank is a
+    space, every other character that cannot be seen a question mark in a box."""
+    if text.isascii() and text.isprintable():
+        return text
+    shown = (" " if c.isspace() else "\ufffd" if category(c) in INVISIBLE else c for c in text)
+    return "".join(shown)
+
 
 class CadbemError(Exception):
     """Base of every error that cadbem raises for a mistake in its input."""
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
+
+
+class InputError(CadbemError, ValueError):
+    """A parameter has a value that it cannot have."""
 
 
 class CadError(CadbemError):
@@ -11,6 +31,9 @@ class CadError(CadbemError):
 
 class CadWarning(UserWarning):
     """A CAD file can be read, but something in it is unusual, was assumed or was repaired."""
+
+    def __str__(self) -> str:
+        return printable(super().__str__())
 
 
 class AccuracyWarning(UserWarning):

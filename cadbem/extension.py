@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.checks import positive
 from cadbem.errors import SelectionError
 from cadbem.points import area_vector
 from cadbem.spline.basis import Array
@@ -27,8 +28,7 @@ def extended(boundary: Boundary, name: str, length: float) -> Boundary:
     along the new piece, so raise degrees and refine afterwards.  Raises ``SelectionError`` for an
     unknown name, an opening that is not flat or has no walls around it, a length not positive.
     """
-    if not length > 0:
-        raise SelectionError(f"'{name}' cannot be moved by {length}; give a positive length")
+    positive("length", length)
     opening = [p for p in boundary.patches if p.name == name]
     others = [p for p in boundary.patches if p.name != name]
     if not opening:

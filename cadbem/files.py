@@ -72,7 +72,7 @@ def read_json(path: Path) -> Any:
     """The values in a file.  Raises ``ResultsError`` when it is missing or damaged."""
     try:
         return json.loads(path.read_text(encoding="utf-8"))
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         why = "missing" if not path.exists() else "damaged"
         raise ResultsError(f"{path} is {why}; begin anew in another folder") from error
 
@@ -92,6 +92,13 @@ def fresh_folder(path: Path, mark: str) -> Path:
         how = f"go on with 'cadbem resume {path}', or " if (path / mark).exists() else ""
         raise ResultsError(f"{path} exists already; {how}choose another folder with -o")
     return make_folder(path)
+
+
+def remove_unfinished(folder: Path) -> None:
+    """Remove what a process that was killed while it replaced files has left in a folder."""
+    with as_results_error(folder):
+        for file in folder.glob(".*.new"):
+            file.unlink(missing_ok=True)
 
 
 def names_of(rows: Sequence[Mapping[str, Any]]) -> list[str]:

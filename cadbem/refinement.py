@@ -9,6 +9,8 @@ from math import ceil, log
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.checks import positive, positive_array
+from cadbem.errors import InputError
 from cadbem.progress import progress
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -36,15 +38,19 @@ def spans_rule(spans: int) -> KnotRule:
     return rule
 
 
-def size_rule(size: Size, near: ArrayLike | None = None, growth: float = 0.0) -> KnotRule:
+def size_rule(
+    size: Size, near: ArrayLike | None = None, growth: float = 0.0, dimension: int | None = None
+) -> KnotRule:
     """Elements no longer than ``size``: a length, one an axis, or a function of position.
 
     With ``near``, points (dim, n) of a path, the size grows by ``growth`` times the distance.
     """
     if callable(size):
         return lambda spline: _fitted_knots(spline, size)
-    if not (np.asarray(size, dtype=float) > 0).all():
-        raise ValueError(f"the size {size} of elements must be positive")
+    if isinstance(size, Sequence | np.ndarray):
+        positive_array("size", size, dimension)
+    else:
+        positive("size", size)
     if near is not None:
         path = np.asarray(near, dtype=float)
         path = path[:, None] if path.ndim == 1 else path
@@ -68,7 +74,7 @@ def count_rule(
     """The smallest size with which all splines together have at most so many ``elements``."""
     least = _element_count(splines, lambda s: [np.empty(0)] * len(s.degrees))
     if least > elements:
-        raise ValueError(f"there are {least} elements already, more than {elements}")
+        raise InputError(f"there are {least} elements already, more than {elements}")
     points = np.concatenate([s.points.reshape(-1, s.dimension) for s in splines])
     coarse = fine = 2 * float(np.linalg.norm(np.ptp(points, axis=0)))
     with progress(label="sizes of elements") as bar:
@@ -194,7 +200,7 @@ def _measured(
     wanted = np.broadcast_to(wanted, points[0].size).reshape(points.shape[1:])
     if not (wanted > 0).all():
         place = points[:, *np.argwhere(~(wanted > 0))[0]]
-        raise ValueError(f"the size of elements must be positive; it is not at {place.round(4)}")
+        raise InputError(f"the size of elements must be positive; it is not at {place.round(4)}")
     return np.linalg.norm(np.diff(points, axis=1), axis=0), wanted
 
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
 
+from cadbem.checks import positive
 from cadbem.errors import UnitsError
 
 Dimension = tuple[int, int, int]  # powers of length, mass and time
@@ -222,6 +223,8 @@ def numbers(
     given = locals()
     for name, value in given.items():
         check(name, value, "viscosity" if name == "viscosity_inside" else name)
+        if value is not None or name in ("viscosity", "velocity", "length"):
+            positive(name, value)
     check_same("", given.items())
     return Numbers(
         None if tension is None else viscosity * velocity / tension,

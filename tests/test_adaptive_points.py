@@ -10,7 +10,7 @@ from test_closeness import drop, plane_channel
 from test_results import EVERY, gone_through, same_tables, stored_numbers
 
 import cadbem as cb
-from cadbem.errors import ShapeError
+from cadbem.errors import InputError
 from cadbem.operators.closed.nearest import signed_distance
 from cadbem.quadrature.closed import PolarRule
 from cadbem.results import open_run, render, run_folder
@@ -165,5 +165,5 @@ def test_a_droplet_that_leaves_is_not_refined():
 
 
 def test_accuracy_that_makes_no_sense():
-    with pytest.raises(ShapeError, match="accuracy=0.5: give a share"):
+    with pytest.raises(InputError, match="accuracy is 0.5; give a number"):
         cb.AdaptivePoints(0.5)

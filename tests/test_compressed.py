@@ -209,7 +209,7 @@ def test_storage_follows_the_size():
     """Dense to 4000 points, compressed beyond; tolerances out of range are refused."""
     assert storage_for(4000) == cb.Dense()
     assert storage_for(4001) == cb.Compressed()
-    with pytest.raises(ValueError, match="1e-12 to 1e-2"):
+    with pytest.raises(cb.InputError, match="1e-12 to 0.01"):
         cb.Compressed(1.0)
     body = Boundary(tuple(Patch(s, "body") for s in sphere())).elevated(2)
     moving = {"body": cb.RigidMotion((1.0, 0.0, 0.0))}

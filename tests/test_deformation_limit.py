@@ -45,7 +45,7 @@ def test_break_up_counts_as_too_much():
 
 
 def test_mistakes():
-    with pytest.raises(cb.ConditionError, match="limit is 1.5"):
+    with pytest.raises(cb.InputError, match="limit is 1.5"):
         cb.largest_capillary(1.5)
     with pytest.raises(cb.CadbemError, match="no capillary number between 0.1 and"):
         cb.largest_capillary(0.5, lambda capillary: 0.1, guess=0.1)

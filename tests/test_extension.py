@@ -8,7 +8,7 @@ from shapes import bulged, channel
 
 import cadbem as cb
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import SelectionError
+from cadbem.errors import InputError, SelectionError
 from cadbem.extension import extended
 from cadbem.spline.outlines import line, rectangle
 
@@ -108,7 +108,7 @@ def test_mistakes():
         extended(channel(), "exit", 1.0)
     with pytest.raises(SelectionError, match="'walls' is not flat"):
         extended(channel(), "walls", 1.0)
-    with pytest.raises(SelectionError, match="'outlet' cannot be moved by -1"):
+    with pytest.raises(InputError, match="length is -1"):
         extended(channel(), "outlet", -1.0)
     alone = Boundary(channel().patches[1:2])
     with pytest.raises(SelectionError, match="'outlet' has no wall at"):

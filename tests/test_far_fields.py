@@ -156,5 +156,5 @@ def test_target_clusters():
 
 
 def test_impossible_tolerances_are_refused():
-    with pytest.raises(ValueError, match="are possible"):
+    with pytest.raises(cb.InputError, match="from 1e-09 to 0.01"):
         cb.FarField(0.5)

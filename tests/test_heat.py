@@ -9,7 +9,7 @@ import pytest
 from scipy.optimize import brentq
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import ConditionError, SelectionError
+from cadbem.errors import ConditionError, InputError, SelectionError
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
 from cadbem.problems.heat import HeatProblem
@@ -299,7 +299,7 @@ def test_mistakes():
     with pytest.raises(ConditionError, match="'sides' .* has no condition|no condition.*'sides'"):
         HeatProblem(slab(2), 1.0, {"left": Temperature(0.0), "right": HeatFlux()})
     given = insulated | {"left": Temperature(1.0)}
-    with pytest.raises(ConditionError, match="conductivity is 0"):
+    with pytest.raises(InputError, match="conductivity is 0"):
         HeatProblem(slab(2), 0.0, given)
     with pytest.raises(ConditionError, match="nor both zero"):
         SurfaceExchange()

@@ -10,6 +10,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "cadbem"
 FLOORS = (
     {"errors", "progress", "command", "tables"},
+    {"checks"},
     {"compiled", "files", "units", "overviews"},
     {"spline", "quadrature", "kernels"},
     {"points", "refinement"},

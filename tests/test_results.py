@@ -8,6 +8,7 @@ import time
 from math import pi
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import pyvista
@@ -16,8 +17,7 @@ import cadbem as cb
 from cadbem.errors import ResultsError
 from cadbem.results import open_run, run_folder
 from cadbem.results.describe import described, first_difference
-from cadbem.results.encode import reading
-from cadbem.results.store import CHECKPOINT, frame_file
+from cadbem.results.progress import BEFORE, CHECKPOINT, frame_file
 from cadbem.spline.outlines import rectangle
 
 END, EVERY = 0.5, 0.05
@@ -47,7 +47,7 @@ def stored_numbers(folder: Path) -> dict[str, np.ndarray]:
     """All numbers in all frames."""
     found = {}
     for index in range(len(open_run(folder).times)):
-        with reading(frame_file(folder, index)) as file:
+        with h5py.File(frame_file(folder, index)) as file:
             def keep(name, item, index=index):
                 if hasattr(item, "shape"):
                     found[f"{index} {name}"] = item[()]
@@ -101,6 +101,32 @@ def test_killed_at_random_moments(tmp_path, simulation, longest):
     gone_through(pieces, simulation(), resume=True)
     expected, found = stored_numbers(whole), stored_numbers(pieces)
     assert found.keys() == expected.keys()
+    for name, values in expected.items():
+        np.testing.assert_array_equal(found[name], values, err_msg=name)
+    assert same_tables(whole, pieces)
+
+
+def channel_with_a_mixture() -> cb.Simulation:
+    """A droplet, λ = 2, and a sphere between the walls of a duct."""
+    names = ("inlet", "outlet", "walls", "walls", "walls", "walls")
+    sides = zip(cb.box((-2, -1, -1), (2, 1, 1)), names, strict=True)
+    duct = cb.Boundary(tuple(cb.Patch(side, name) for side, name in sides)).elevated(2).refined(2)
+    data = {"inlet": cb.Inflow(1.0), "outlet": cb.Pressure(0.0), "walls": cb.NoSlip()}
+    droplet = cb.Droplet(cb.spline_sphere(0.4, (-0.5, 0.1, 0.0), 72), cb.SurfaceTension(2.0), 2.0)
+    bodies = [droplet, cb.rigid_sphere(0.3, (0.6, 0.0, 0.1), spans=1)]
+    return cb.Simulation(cb.ChannelFlow(cb.StokesProblem(duct, 1.0, data)), bodies)
+
+
+@pytest.mark.parametrize("kept", [pytest.param(1, marks=pytest.mark.long), 3])
+def test_a_channel_with_a_droplet_and_a_sphere_goes_on_to_the_last_bit(tmp_path, kept: int):
+    whole, pieces = tmp_path / "whole", tmp_path / "pieces"
+    gone_through(whole, channel_with_a_mixture(), end=0.2)
+    states = run_folder(pieces).run(channel_with_a_mixture(), 0.2, EVERY)
+    for _ in range(kept):
+        next(states)
+    states.close()
+    gone_through(pieces, channel_with_a_mixture(), resume=True, end=0.2)
+    expected, found = stored_numbers(whole), stored_numbers(pieces)
     for name, values in expected.items():
         np.testing.assert_array_equal(found[name], values, err_msg=name)
     assert same_tables(whole, pieces)
@@ -233,7 +259,8 @@ def test_one_process_at_a_time(tmp_path):
 
 def test_damaged_files_are_named(tmp_path):
     gone_through(tmp_path / "run", plane_droplet(), end=0.05)
-    (tmp_path / "run" / CHECKPOINT).write_bytes(b"no numbers")
+    for name in (CHECKPOINT, BEFORE):
+        (tmp_path / "run" / name).write_bytes(b"no numbers")
     with pytest.raises(ResultsError, match="checkpoint.h5 is missing or damaged"):
         gone_through(tmp_path / "run", plane_droplet(), resume=True)
 

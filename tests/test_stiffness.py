@@ -127,7 +127,7 @@ def sheared(capillary, ratio, end, **options):
 def explicit_cost(state):
     """Evaluations of Chebyshev steps until a state: 12 for 0.65 (12² - 1) over the largest rate."""
     run = cb.Simulation(state.flow, state.bodies)
-    return 12 * state.time * run.fastest(state) / (0.65 * 143)
+    return 12 * state.time * run.march.fastest(state) / (0.65 * 143)
 
 
 @pytest.mark.parametrize("ratio", [0.1, 1.0, 10.0])

@@ -8,7 +8,7 @@ import pytest
 from shapes import bulged, channel
 
 from cadbem.boundary import Boundary, Patch
-from cadbem.errors import ConditionError, SelectionError, ShapeError
+from cadbem.errors import ConditionError, InputError, SelectionError, ShapeError
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure, Traction, Velocity
 from cadbem.problems.profiles import circle_profile, rectangle_profile
 from cadbem.problems.stokes import StokesProblem
@@ -227,7 +227,7 @@ def test_mistakes_in_conditions(conditions, words):
 
 
 def test_other_mistakes():
-    with pytest.raises(ConditionError, match="viscosity is -1"):
+    with pytest.raises(InputError, match="viscosity is -1"):
         StokesProblem(SQUARE, -1.0, DUCT)
     with pytest.raises(ConditionError, match="either mean_velocity or flow_rate"):
         Inflow()

@@ -87,7 +87,7 @@ def test_shares_are_those_of_the_flow(stem):
 def test_mistakes(plane):
     with pytest.raises(cb.ConditionError, match="no fluid enters through 'outlet'"):
         cb.inlet_points(plane, "outlet")
-    with pytest.raises(cb.ConditionError, match=r"give points \(2, N\)"):
+    with pytest.raises(cb.InputError, match=r"shape \(3, 1\); give .* \(2, N\)"):
         cb.trace(plane, [[0.0], [0.0], [0.0]])
     for y in (0.3, 9.0):
         with pytest.raises(cb.ConditionError, match=rf"starts at \(0, {y:g}\), outside the fluid"):

@@ -118,10 +118,10 @@ def test_doors(u):
             lambda: cb.StokesProblem(channel(), u("1 Pa"), fine),
         "tension: '1 Pa' is a pressure; give a force per length":
             lambda: cb.SurfaceTension(u("1 Pa")),
-        "radius or semi-axis: '1 s' is a time; give a length": lambda: cb.spline_sphere(u("1 s")),
+        "radius: '1 s' is a time; give a length": lambda: cb.spline_sphere(u("1 s")),
         "centre: '1 s' is a time; give a length":
             lambda: cb.spline_sphere(1.0, (0.0, u("1 s"), u("1 mm"))),
-        "radius or semi-axis: '2 mm² / s' is an area per time; give a length":
+        "radius: '2 mm² / s' is an area per time; give a length":
             lambda: cb.rigid_sphere(u("2 mm² / s")),
         "position: '1 s' is a time; give a length":
             lambda: cb.rigid_sphere(1.0, [u("1 s"), 0.0, 0.0]),

@@ -21,6 +21,7 @@ from cadbem.cad.layout.rings import Ring, regions, rings
 from cadbem.cad.sections import cut_faces, face_at
 from cadbem.cad.text.source import CadSource, read_source
 from cadbem.cad.text.unit import Unit
+from cadbem.checks import direction, positive, shaped, whole
 from cadbem.errors import CadError, CadWarning
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -93,6 +94,13 @@ def read_outline(
     Raises CadError as `read_cad` does, and for a plane that misses the solid, figures that are not
     plane or do not close, and several regions unless ``region`` (1 is the largest) chooses.
     """
+    positive("time_limit", time_limit)
+    if point is not None:
+        shaped("point", point, 3)
+    if normal is not None:
+        direction("normal", normal, 3)
+    if region is not None:
+        whole("region", region)
     source = read_source(path)
     kernel = import_model(source, time_limit)
     if kernel.solids:

@@ -13,6 +13,7 @@ from cadbem.cad.body.crossings import find_crossing
 from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.body.witness import disagreements
 from cadbem.cad.layout.face_patches import TOLERANCE
+from cadbem.checks import positive, within
 from cadbem.errors import CadError, CadWarning
 from cadbem.progress import progress, stage
 
@@ -56,6 +57,8 @@ def read_cad(
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
     exactly one volume, and for faces that no way of laying patches covers.
     """
+    within("tolerance", tolerance, 1e-16, 0.1)
+    positive("time_limit", time_limit)
     with stage(f"reading {path}"):
         model = open_model(path, time_limit, names, fluid)
         for warning in model.warnings:

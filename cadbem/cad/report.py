@@ -20,6 +20,7 @@ from cadbem.cad.kernel.brep import BrepFace
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.cad.layout.quality import jacobian_ratio, worst_angle
 from cadbem.cad.survey import CadSurvey, survey_cad
+from cadbem.checks import positive, within
 from cadbem.errors import CadError
 from cadbem.progress import progress
 from cadbem.spline.basis import Array
@@ -94,6 +95,8 @@ def inspect_cad(
 
     Raises CadError only if the file cannot be read at all or has no faces.
     """
+    within("tolerance", tolerance, 1e-16, 0.1)
+    positive("time_limit", time_limit)
     survey = survey_cad(path, fluid=fluid, names=names, tolerance=tolerance, time_limit=time_limit)
     model = survey.model
     label = f"{model.file}: measures"

@@ -19,7 +19,7 @@ from cadbem.cli.parser import (
     counting,
     leave_rest,
 )
-from cadbem.command import INTERRUPTED
+from cadbem.command import INTERRUPTED, MEND
 
 
 def add_run(commands: Commands) -> None:
@@ -56,6 +56,16 @@ def add_resume(commands: Commands) -> None:
     )
     _add_cores(parser)
     parser.add_argument("folder", metavar="FOLDER", help="where the results are")
+    parser.add_argument(
+        "--trust",
+        action="store_true",
+        help="run the script even if it has changed, or came with the folder",
+    )
+    parser.add_argument(
+        "--mend",
+        action="store_true",
+        help="where files are damaged, go on from the newest sound state before them",
+    )
     _add_engine(parser)
     leave_rest(parser)
 
@@ -101,8 +111,12 @@ def add_sweep(commands: Commands) -> None:
 
 def _add_cores(parser: Parser) -> None:
     parser.add_argument(
-        "--cores", type=counting, metavar="N", help="cores to use (default: all that there are)"
+        "--cores",
+        type=counting,
+        metavar="N",
+        help="cores to use (default: all that there are, or those that a run began with)",
     )
+    parser.set_defaults(threads=None)
 
 
 def _add_engine(parser: Parser) -> None:
@@ -124,7 +138,9 @@ def _add_engine(parser: Parser) -> None:
 def _run(options: Options) -> None:
     script = _script(options)
     if options.cores:
-        _limit(options.cores)
+        from cadbem.operators.parallel import use_cores
+
+        use_cores(options.cores, options.threads or options.cores)
     if options.tied:
         Thread(target=_end_with_parent, daemon=True).start()
     sys.argv = [str(script), *options.arguments]
@@ -146,20 +162,12 @@ def _end_with_parent() -> None:
     os._exit(INTERRUPTED)
 
 
-def _limit(cores: int) -> None:
-    """Use so many cores, of linear algebra too, which reads its number when it is loaded."""
-    for library in ("OPENBLAS", "OMP", "MKL"):
-        os.environ[f"{library}_NUM_THREADS"] = str(cores)
-    from cadbem.operators.parallel import CORES
-
-    CORES.set(cores)
-
-
 def _resume(options: Options) -> Any:
     folder = Path(options.folder).resolve()
     if (folder / "sweep.json").exists():
         return _resume_sweep(folder, options)
     from cadbem.results.folder import read_manifest
+    from cadbem.results.trust import check_script
 
     manifest = read_manifest(folder)
     script = Path(manifest["script"]["file"]) if manifest["script"] else None
@@ -168,6 +176,7 @@ def _resume(options: Options) -> Any:
             f"{folder}: its script, {script or 'unknown'}, is not there any more; run its copy "
             f"with the same arguments: cadbem run {folder / 'script.py'} -o {folder} --resume ..."
         )
+    check_script(folder, script, manifest["script"]["sha256"], options.trust)
     if "resume" not in manifest["arguments"]:
         raise UsageError(
             f"{script} cannot go on with a run: its main takes no 'resume'; run it again"
@@ -177,7 +186,11 @@ def _resume(options: Options) -> Any:
     given = manifest["arguments"] | {"output": str(folder)}
     words = [word for name, value in given.items() for word in _option(name, value)]
     options.script, options.tied = str(script), False
+    if options.cores is None:  # the last digits depend on them
+        options.cores = max(1, manifest["cores"])
+        options.threads = max(1, manifest["threads"])
     options.arguments = [*words, *options.arguments, "--resume"]
+    MEND.set(options.mend)
     return _run(options)
 
 
@@ -189,7 +202,7 @@ def _resume_sweep(folder: Path, options: Options) -> int:
         )
     from cadbem.sweep import resume_sweep
 
-    return resume_sweep(folder, options.jobs, options.cluster)
+    return resume_sweep(folder, options.jobs, options.cluster, options.trust)
 
 
 def _option(name: str, value: Any) -> list[str]:

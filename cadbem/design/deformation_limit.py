@@ -8,7 +8,8 @@ from math import exp, isfinite, log
 
 from scipy.optimize import brentq
 
-from cadbem.errors import CadbemError, ConditionError
+from cadbem.checks import finite, positive, whole, within
+from cadbem.errors import CadbemError, InputError
 from cadbem.spline.closed_shapes import spline_sphere
 from cadbem.suspension.bodies.droplet import Droplet
 from cadbem.suspension.interface.laws import capillary_tension
@@ -48,6 +49,11 @@ class ShearDeformation:
     points: int = 200
     every: float = 0.5
 
+    def __post_init__(self) -> None:
+        for name in ("viscosity_ratio", "end", "every"):
+            positive(name, getattr(self, name))
+        whole("points", self.points)
+
     def __call__(self, capillary: float) -> float:
         """The deformation at a capillary number."""
         shape = spline_sphere(points=self.points)
@@ -66,11 +72,14 @@ def largest_capillary(
     By default that of a droplet of the outer fluid's viscosity in shear flow; any other function
     will do, such as one that sends a droplet through a channel.  It may return inf, where the
     droplet breaks up.  ``tolerance`` is relative.  The search begins at the ``guess``, by default
-    where Taylor's formula for λ = 1 has the limit.  Raises ``ConditionError`` for a limit that is
+    where Taylor's formula for λ = 1 has the limit.  Raises ``InputError`` for a limit that is
     not between 0 and 1, ``CadbemError`` when the function does not reach the limit.
     """
-    if not 0 < limit < 1:
-        raise ConditionError(f"limit is {limit}: D lies between 0 and 1")
+    if not 0 < finite("limit", limit) < 1:
+        raise InputError(f"limit is {limit}; give a deformation D between 0 and 1")
+    within("tolerance", tolerance, 1e-12, 0.5)
+    if guess is not None:
+        positive("guess", guess)
     measured = deformation or ShearDeformation()
     known: dict[float, float] = {}
 

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.checks import finite, positive, within
 from cadbem.design.overview import network_overview
 from cadbem.errors import AccuracyWarning, ConditionError, SelectionError
 from cadbem.operators.compressed.layers import CompressedLayers
@@ -148,6 +149,9 @@ class Network:
             check(f"pressure at '{name}'", given.get(name), "pressure")
             check(f"flow rate at '{name}'", driven.get(name), "flow_rate", "plane_flow_rate")
             check(f"tubing at '{name}'", tubing.get(name), "resistance")
+            for what, at in (("pressure", given), ("flow rate", driven), ("tubing", tubing)):
+                if name in at:
+                    finite(f"{what} at '{name}'", at[name])
         for name in self.names:
             if (name in given) == (name in driven):
                 raise ConditionError(
@@ -181,6 +185,8 @@ def hydraulic_network(
     that; without, the channel's patches are the elements.
     Raises ``ConditionError`` for fewer than two openings.
     """
+    check("viscosity", viscosity, "viscosity")
+    positive("viscosity", viscosity)
     _check_names(channel, openings)
     conditions: dict[str, Condition] = {n: Pressure(float(n == openings[0])) for n in openings}
     conditions |= {n: NoSlip() for n in channel.names if n not in conditions}
@@ -191,6 +197,8 @@ def hydraulic_network(
 
 def tube_resistance(viscosity: float, length: float, bore: float) -> float:
     """128 μ L / (π d⁴) of a round tube (Hagen and Poiseuille), pressure drop over flow rate."""
+    for name, value in (("viscosity", viscosity), ("length", length), ("bore", bore)):
+        positive(name, value)
     return 128 * viscosity * length / (np.pi * bore**4)
 
 
@@ -207,6 +215,8 @@ def network_of(problem: StokesProblem, *, accuracy: float | None = None) -> Netw
     Its data do not matter.  The matrix is assembled and factorised once for all openings.  Raises
     ``ConditionError`` where other faces are not at rest, or for fewer than two openings.
     """
+    if accuracy is not None:
+        within("accuracy", accuracy, 1e-12, 0.5)
     kinds = Inflow | Pressure | Traction
     names = tuple(n for n, c in problem.conditions.items() if isinstance(c, kinds))
     for name, condition in problem.conditions.items():

@@ -7,6 +7,7 @@ from math import ceil
 
 import numpy as np
 
+from cadbem.checks import whole
 from cadbem.errors import ConditionError
 from cadbem.points import surface_points
 from cadbem.problems.conditions import Inflow, Pressure, Traction
@@ -33,6 +34,7 @@ def inlet_points(solution: StokesSolution, *names: str, count: int = 100) -> Rel
     They are Gauss points, so that ∫ u·n g dS over the openings is the sum of flow rate times g.
     Raises ``ConditionError`` where nothing flows in, ``SelectionError`` for an unknown name.
     """
+    whole("count", count)
     conditions = solution.problem.conditions
     chosen = names or [n for n, c in conditions.items() if isinstance(c, OPEN)]
     entering = [n for n in chosen if solution.flow_rate(n) > 0]

@@ -14,6 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cadbem.checks import positive, shaped, within
 from cadbem.design.overview import tracers_overview
 from cadbem.design.release_points import OPEN, ReleasePoints
 from cadbem.errors import ConditionError
@@ -108,15 +109,15 @@ def trace(
     another dimension; ``UnitsError`` for a limit that is no time.
     """
     check("time_limit", time_limit, "time")
+    if time_limit is not None:
+        positive("time_limit", time_limit)
+    within("tolerance", tolerance, 1e-12, 0.1)
+    dimension = solution.space.boundary.dimension
     if not isinstance(release_points, ReleasePoints):
-        points = np.asarray(release_points, dtype=float)
+        points = shaped("release_points", release_points, dimension, None)
         release_points = ReleasePoints(points, np.ones(points.shape[-1]))
     flow = _Flow(solution)
-    points, dimension = release_points.points, solution.space.boundary.dimension
-    if points.ndim != 2 or len(points) != dimension:
-        raise ConditionError(
-            f"release points have shape {points.shape}; give points ({dimension}, N)"
-        )
+    points = shaped("release_points", release_points.points, dimension, None)
     outside = flow.in_walls(points, np.inf)
     if outside.any():
         place = ", ".join(f"{x:.4g}" for x in points[:, int(outside.argmax())])

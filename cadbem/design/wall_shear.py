@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from cadbem.checks import within
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.points import surface_points
 from cadbem.problems.conditions import NoSlip
@@ -45,6 +46,7 @@ class WallShear:
 
     def percentile(self, percent: float) -> float:
         """The stress that so many percent of the area stay below."""
+        within("percent", percent, 0.0, 100.0)
         order = np.argsort(self.values)
         below = np.cumsum(self.weights[order]) / self.weights.sum()
         place = int(np.searchsorted(below, percent / 100))

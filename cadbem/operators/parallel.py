@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from functools import lru_cache
 from typing import Any, TypeVar
 
-from threadpoolctl import ThreadpoolController
+from threadpoolctl import ThreadpoolController, threadpool_limits
 
 from cadbem.progress import progress
 
@@ -72,6 +72,20 @@ def run_tasks(work: Callable[[int, Item], object], jobs: Sequence[Item], label: 
 def _exhaust(numbers: Iterable[int]) -> None:
     for _ in numbers:
         pass
+
+
+def linear_algebra_threads() -> int:
+    """How many threads linear algebra takes outside of tasks."""
+    return max((library["num_threads"] for library in _libraries().info()), default=1)
+
+
+def use_cores(cores: int, threads: int) -> None:
+    """Give tasks so many ``cores``, and linear algebra so many ``threads`` outside of them, that of
+    libraries which are loaded later, too."""
+    for library in ("OPENBLAS", "OMP", "MKL"):
+        os.environ[f"{library}_NUM_THREADS"] = str(threads)
+    threadpool_limits(threads)
+    CORES.set(cores)
 
 
 @lru_cache(maxsize=1)

@@ -7,6 +7,7 @@ from os import PathLike
 from pathlib import Path
 
 from cadbem.cad import mesh_volume
+from cadbem.checks import positive
 from cadbem.post.channel.view_boundary import draw_boundary, draw_collocation
 from cadbem.post.channel.view_flow import draw_slices, draw_streamlines
 from cadbem.post.channel.view_walls import draw_traction
@@ -36,6 +37,7 @@ def draw_solution(
     and streamlines on a mesh of the CAD file ``geometry``, whose cells have a ``mesh_size``; for
     ParaView that mesh, "volume.vtu", and the walls, "walls.vtu".  ``units`` are what labels say.
     """
+    positive("mesh_size", mesh_size)
     if not folder:
         return
     place, channel = Path(folder), solution.space.boundary

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -12,22 +13,31 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary
+from cadbem.errors import ConditionError
+from cadbem.problems.rims import edges_of, open_edges
 from cadbem.spline.basis import Array
 from cadbem.spline.project import closest_point
 
 SAME_CORNER = 1e-6  # share of the boundary's size within which corners count as one
 OPEN = 1e-3  # |∫ n dS| over area from which a surface counts as open
+FLAT = 0.8  # the same, from which it is a plate
+JOINED = 0.5  # share of a surface's edges that others share, from which it is nearly closed
+MOST_PLACES = 4  # that a message names
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
     """Patches (indices) that hang together; open, or closed around fluid, or around a body.
 
-    ``volume`` of the fluid inside: negative for a body, 0 for an open surface (a thin plate).
+    ``volume`` of the fluid inside: negative for a body, 0 for an open surface (a thin plate), whose
+    ``rim`` are points (dim,) on its open edges.  ``nearly_closed``: most edges are shared, and it
+    is far from flat.
     """
 
     patches: tuple[int, ...]
     volume: float
+    rim: tuple[Array, ...] = ()
+    nearly_closed: bool = False
 
     @property
     def holds_fluid(self) -> bool:
@@ -54,7 +64,8 @@ def closed_surfaces(boundary: Boundary) -> list[Surface]:
         hanging = _hanging(boundary, corners, label, near)
         label = _components(len(label), np.concatenate([pairs, hanging]))
     groups = range(label.max() + 1)
-    return [_surface(boundary, tuple(np.nonzero(label == k)[0].tolist())) for k in groups]
+    size = near / SAME_CORNER
+    return [_surface(boundary, tuple(np.nonzero(label == k)[0].tolist()), size) for k in groups]
 
 
 def _components(count: int, pairs: NDArray[np.int64]) -> NDArray[np.int32]:
@@ -80,11 +91,29 @@ def _hanging(
     return np.array(pairs, dtype=np.int64).reshape(-1, 2)
 
 
-def _surface(boundary: Boundary, indices: tuple[int, ...]) -> Surface:
+def _surface(boundary: Boundary, indices: tuple[int, ...], size: float) -> Surface:
     part = Boundary(tuple(boundary.patches[i] for i in indices))
     points, weights = part.quadrature()
-    is_open = np.linalg.norm(points.normal @ weights) > OPEN * weights.sum()
-    return Surface(indices, 0.0 if is_open else part.volume())
+    flatness = float(np.linalg.norm(points.normal @ weights) / weights.sum())
+    edges = edges_of(part.patches)
+    rim = tuple(edge.probed[0] for edge in open_edges(edges, size)) if edges else ()
+    if not rim and flatness <= OPEN:
+        return Surface(indices, part.volume())
+    nearly_closed = flatness < FLAT and len(rim) <= JOINED * len(edges)
+    return Surface(indices, 0.0, rim, nearly_closed)
+
+
+def check_closed(boundary: Boundary, surfaces: Sequence[Surface], remedy: str) -> None:
+    """Raises ``ConditionError`` for a surface that is nearly closed, with its open edges."""
+    for surface in surfaces:
+        if surface.nearly_closed:
+            places = ["(" + ", ".join(f"{x:.4g}" for x in p) + ")" for p in surface.rim]
+            more = f" and {len(places) - MOST_PLACES} more" if len(places) > MOST_PLACES else ""
+            where = f"edges are open at {', '.join(places[:MOST_PLACES])}{more}"
+            raise ConditionError(
+                f"{boundary.source or 'the boundary'} is nearly closed: "
+                f"{where if places else 'its faces do not point the same way'}; {remedy}"
+            )
 
 
 def point_inside(boundary: Boundary, body: Surface) -> Array:
@@ -94,9 +123,7 @@ def point_inside(boundary: Boundary, body: Surface) -> Array:
     points, weights = part.quadrature()
     size = abs(body.volume) / float(weights.sum())
     middles = [p.middle() for p in part.patches]
-    below = [
-        (m.position - share * size * m.normal)[:, 0] for share in (1.0, 0.5) for m in middles
-    ]
+    below = [(m.position - share * size * m.normal)[:, 0] for share in (1.0, 0.5) for m in middles]
     candidates = [part.bounds().mean(axis=0), *below]
 
     def solid_angle(point: Array) -> float:

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cadbem.checks import finite, turning, values_at, vector
 from cadbem.errors import ConditionError
 from cadbem.problems.mixed import Given, Split
 from cadbem.problems.profiles import Port
@@ -49,6 +50,9 @@ class Inflow:
             raise ConditionError("Inflow takes either mean_velocity or flow_rate, not both or none")
         check("mean_velocity", self.mean_velocity, "velocity")
         check("flow_rate", self.flow_rate, "flow_rate", "plane_flow_rate")
+        for name, value in vars(self).items():
+            if value is not None:
+                finite(f"Inflow's {name}", value)
 
     def mean(self, opening: Port) -> float:
         """Mean velocity through an opening."""
@@ -70,21 +74,23 @@ class Pressure:
 
     def __post_init__(self) -> None:
         check("Pressure", self.value, "pressure")
+        finite("Pressure", self.value)
 
 
 @dataclass(frozen=True)
 class Traction:
-    """Traction f = σ·n given as a vector (dim,), n into the fluid; zero: a free jet's opening."""
+    """Traction f = σ·n as a vector (dim,), or as a function of positions (dim, N) -> (dim, N),
+    n into the fluid; 0: a free jet's opening."""
 
-    value: Vector | float = 0.0
+    value: Vector | float | Callable[[Array], Array] = 0.0
 
 
 @dataclass(frozen=True)
 class RigidMotion:
     """A body that moves without deforming: u = velocity + angular_velocity × (x - centre).
 
-    All three are vectors (3,), or numbers for all components; the angular velocity is in radians
-    per time.  In a plane it is one number, counter-clockwise, the others are vectors (2,).
+    All three are vectors (3,), or 0; the angular velocity is in radians per time.  In a plane it is
+    one number, counter-clockwise, the others are vectors (2,).
     """
 
     velocity: Vector | float = 0.0
@@ -93,12 +99,11 @@ class RigidMotion:
 
     def at(self, position: Array) -> Array:
         """Velocity (dim, N) at positions (dim, N)."""
-        shift, turn, centre = (
-            np.asarray(v, dtype=float).reshape(-1, 1)
-            for v in (self.velocity, self.angular_velocity, self.centre)
-        )
-        arm = position - centre
-        if len(position) == 2:
+        dimension = len(position)
+        shift = vector("velocity", self.velocity, dimension)[:, None]
+        turn = turning("angular_velocity", self.angular_velocity, dimension).reshape(-1, 1)
+        arm = position - vector("centre", self.centre, dimension)[:, None]
+        if dimension == 2:
             return shift + turn * np.stack([-arm[1], arm[0]])
         return shift + np.cross(np.broadcast_to(turn, arm.shape), arm, axis=0)
 
@@ -117,18 +122,21 @@ class Background:
     velocity: Vector | float | Callable[[Array], Array] = 0.0
     pressure: float | Callable[[Array], Array] = 0.0
 
+    @property
+    def is_at_rest(self) -> bool:
+        """Whether both are the number or vector 0."""
+        return not any(callable(v) or np.any(v) for v in (self.velocity, self.pressure))
+
     def velocity_at(self, position: Array) -> Array:
         """Velocity (dim, N) at positions (dim, N)."""
-        if callable(self.velocity):
-            return np.asarray(self.velocity(position))
-        vector = np.asarray(self.velocity, dtype=float).reshape(-1, 1)
-        return np.broadcast_to(vector, position.shape)
+        return _vectors("Background's velocity", self.velocity, position)
 
     def pressure_at(self, position: Array) -> Array:
         """Pressure (N,) at positions (dim, N)."""
+        name, count = "Background's pressure", position.shape[1]
         if callable(self.pressure):
-            return np.asarray(self.pressure(position))
-        return np.full(position.shape[1], self.pressure)
+            return values_at(name, self.pressure(position), (count,))
+        return np.full(count, finite(name, self.pressure))
 
 
 def split(condition: Condition, opening: Port | None, dimension: int) -> Split:
@@ -139,11 +147,11 @@ def split(condition: Condition, opening: Port | None, dimension: int) -> Split:
         case NoSlip():
             return Split(None, None, none, all_)
         case Velocity(value):
-            return Split(_given(value), None, none, all_)
+            return Split(_given("Velocity", value), None, none, all_)
         case RigidMotion():
-            return Split(_given(condition.at), None, none, all_)
+            return Split(_given("RigidMotion", condition.at), None, none, all_)
         case Traction(value):
-            return Split(None, _given(value), all_, none)
+            return Split(None, _given("Traction", value), all_, none)
         case Inflow():
             assert opening is not None
             return Split(_inflow(condition, opening), None, none, all_)
@@ -151,14 +159,33 @@ def split(condition: Condition, opening: Port | None, dimension: int) -> Split:
             assert opening is not None
             normal = opening.normal[:, None]
             along = normal @ normal.T
-            return Split(None, _given(-value * opening.normal), along, all_ - along)
+            return Split(None, _given("Pressure", -value * opening.normal), along, all_ - along)
 
 
-def _given(value: Vector | float | Callable[[Array], Array]) -> Given:
+def check_vectors(condition: Condition | Background, dimension: int) -> None:
+    """Raises ``InputError`` for vectors that are not finite or have other than dim components."""
+    middle = np.zeros((dimension, 1))
+    match condition:
+        case Velocity(value) | Traction(value) if not callable(value):
+            _vectors(type(condition).__name__, value, middle)
+        case RigidMotion():
+            condition.at(middle)
+        case Background(velocity, pressure):
+            if not callable(velocity):
+                condition.velocity_at(middle)
+            if not callable(pressure):
+                condition.pressure_at(middle)
+
+
+def _vectors(name: str, value: Vector | float | Callable[[Array], Array], position: Array) -> Array:
+    """A vector, or what a function returns, at positions (dim, N)."""
     if callable(value):
-        return lambda points: np.asarray(value(points.position))
-    vector = np.asarray(value, dtype=float).reshape(-1, 1)
-    return lambda points: np.broadcast_to(vector, points.position.shape)
+        return values_at(name, value(position), position.shape)
+    return np.broadcast_to(vector(name, value, len(position))[:, None], position.shape)
+
+
+def _given(name: str, value: Vector | float | Callable[[Array], Array]) -> Given:
+    return lambda points: _vectors(name, value, points.position)
 
 
 def _inflow(condition: Inflow, opening: Port) -> Given:

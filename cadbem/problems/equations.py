@@ -10,13 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.boundary import Boundary
+from cadbem.checks import instance, positive
 from cadbem.errors import ConditionError
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.compressed.layers import own_layers
 from cadbem.operators.compressed.storage import Storage
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import Layers, OwnLayers, assemble_layers
-from cadbem.problems.bodies import Surface, closed_surfaces, point_inside
+from cadbem.problems.bodies import Surface, check_closed, closed_surfaces, point_inside
 from cadbem.problems.conditions import (
     Background,
     Condition,
@@ -26,6 +27,7 @@ from cadbem.problems.conditions import (
     RigidMotion,
     Traction,
     Velocity,
+    check_vectors,
     split,
 )
 from cadbem.problems.constraints import (
@@ -45,6 +47,7 @@ from cadbem.spline.basis import Array
 from cadbem.units import check, check_same
 
 GIVEN_VELOCITY = (NoSlip, Velocity, RigidMotion, Inflow)
+PLATES = "add the faces that are missing, or say open=True if thin plates in fluid are meant"
 KINDS = (*GIVEN_VELOCITY, Pressure, Traction)
 
 
@@ -59,14 +62,21 @@ class StokesEquations:
     quadrature: Rules = field(default_factory=Quadrature)
     background: Background = Background()
     storage: Storage | None = None
+    open: bool = False
 
     def __post_init__(self) -> None:
-        if not self.viscosity > 0:
-            raise ConditionError(f"viscosity is {self.viscosity}; it must be positive")
-        check_names(self.boundary, self.conditions, KINDS)
         check("viscosity", self.viscosity, "viscosity")
+        positive("viscosity", self.viscosity)
+        instance("boundary", self.boundary, Boundary, "a Boundary, as from read_cad")
+        instance("background", self.background, Background, "a Background")
+        instance("quadrature", self.quadrature, Rules, "Quadrature(tolerance)")
+        check_names(self.boundary, self.conditions, KINDS)
+        for condition in (*self.conditions.values(), self.background):
+            check_vectors(condition, self.boundary.dimension)
         data = [(f"'{n}'", v) for n, c in self.conditions.items() for v in vars(c).values()]
         check_same(self.boundary.unit, [("viscosity", self.viscosity), *data])
+        if not self.open:
+            check_closed(self.boundary, self.surfaces, PLATES)
         unbounded = not any(s.holds_fluid for s in self.surfaces)
         _check_data(self.boundary, self.conditions, self.background, unbounded)
         for region in self.regions:
@@ -223,7 +233,7 @@ def _check_data(
             "no closed curve holds the fluid, and plane flow past bodies has no solution far "
             "away; add walls around it, or turn curves so that the fluid is to their right"
         )
-    if background != Background() and not unbounded:
+    if not background.is_at_rest and not unbounded:
         raise ConditionError(
             "a background flow is given, but walls enclose the fluid; leave it out, or turn the "
             "normals of bodies outwards"
@@ -232,9 +242,10 @@ def _check_data(
     names = ", ".join(f"'{n}'" for n in boundary.names)
     pressures = {c.value for c in values if isinstance(c, Pressure)}
     moving = Inflow | Velocity | RigidMotion
-    drives = background != Background() or any(isinstance(c, moving) for c in values)
+    drives = not background.is_at_rest or any(isinstance(c, moving) for c in values)
     drives |= len(pressures) > 1
-    drives |= any(isinstance(c, Traction) and np.any(c.value) for c in values)
+    loads = [c.value for c in values if isinstance(c, Traction)]
+    drives |= any(callable(load) or np.any(load) for load in loads)
     if not drives:
         raise ConditionError(
             f"there is no inlet: nothing drives the flow; give one of {names} an Inflow, "

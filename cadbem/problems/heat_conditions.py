@@ -10,6 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cadbem.checks import finite, values_at
 from cadbem.errors import ConditionError
 from cadbem.problems.mixed import Given, Split
 from cadbem.spline.basis import Array
@@ -24,12 +25,18 @@ class Temperature:
 
     value: Scalar
 
+    def __post_init__(self) -> None:
+        _check("Temperature", self.value)
+
 
 @dataclass(frozen=True)
 class HeatFlux:
     """Heat that flows into the body per area, number or function; 0: insulated, or symmetry."""
 
     value: Scalar = 0.0
+
+    def __post_init__(self) -> None:
+        _check("HeatFlux", self.value)
 
 
 @dataclass(frozen=True)
@@ -46,6 +53,8 @@ class SurfaceExchange:
     ambient: float = 0.0
 
     def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            finite(name, value)
         if min(self.convection, self.radiation) < 0 or self.convection + self.radiation == 0:
             raise ConditionError(
                 f"{self!r}: convection and radiation must not be negative, nor both zero; "
@@ -78,16 +87,21 @@ def split_heat(condition: HeatCondition, slope: float) -> Split:
     """
     match condition:
         case Temperature(value):
-            return Split(_given(value), None, ZERO, ONE)
+            return Split(_given("Temperature", value), None, ZERO, ONE)
         case HeatFlux(value):
-            return Split(None, _given(value), ONE, ZERO)
+            return Split(None, _given("HeatFlux", value), ONE, ZERO)
         case SurfaceExchange(convection, 0.0, ambient):
-            return Split(None, _given(convection * ambient), ONE, -convection * ONE)
+            return Split(None, _given("ambient", convection * ambient), ONE, -convection * ONE)
         case SurfaceExchange():
             return Split(None, None, ONE, -slope * ONE)
 
 
-def _given(value: Scalar) -> Given:
+def _check(name: str, value: Scalar) -> None:
+    if not callable(value):
+        finite(name, value)
+
+
+def _given(name: str, value: Scalar) -> Given:
     if callable(value):
-        return lambda points: np.asarray(value(points.position), dtype=float).reshape(1, -1)
+        return lambda points: values_at(name, value(points.position), (points.count,))[None]
     return lambda points: np.full((1, points.count), float(value))

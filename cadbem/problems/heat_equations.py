@@ -9,11 +9,13 @@ from functools import cached_property
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.checks import finite, instance, positive
 from cadbem.errors import ConditionError
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.compressed.layers import own_layers
 from cadbem.operators.compressed.storage import Storage
 from cadbem.operators.layers import OwnLayers
+from cadbem.problems.bodies import check_closed, closed_surfaces
 from cadbem.problems.heat_conditions import (
     HeatCondition,
     HeatFlux,
@@ -22,7 +24,7 @@ from cadbem.problems.heat_conditions import (
 )
 from cadbem.problems.heat_source import Source, SourceKernels, laplace_kernel, source_kernels
 from cadbem.problems.mixed import check_names
-from cadbem.quadrature.options import Quadrature
+from cadbem.quadrature.options import Quadrature, Rules
 from cadbem.space import Space, discontinuous_space
 
 KINDS = (Temperature, HeatFlux, SurfaceExchange)
@@ -40,9 +42,13 @@ class HeatEquations:
     storage: Storage | None = None
 
     def __post_init__(self) -> None:
-        if not self.conductivity > 0:
-            raise ConditionError(f"conductivity is {self.conductivity}; it must be positive")
+        positive("conductivity", self.conductivity)
+        instance("boundary", self.boundary, Boundary, "a Boundary, as from read_cad")
+        instance("quadrature", self.quadrature, Rules, "Quadrature(tolerance)")
+        if self.source is not None and not callable(self.source):
+            finite("source", self.source)
         check_names(self.boundary, self.conditions, KINDS)
+        check_closed(self.boundary, closed_surfaces(self.boundary), "add what is missing")
         if all(isinstance(c, HeatFlux) for c in self.conditions.values()):
             names = ", ".join(f"'{n}'" for n in self.boundary.names)
             raise ConditionError(

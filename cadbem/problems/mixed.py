@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
+from cadbem.checks import shaped
 from cadbem.errors import ConditionError, SelectionError, ShapeError
 from cadbem.kernels.kernel import Kernel
 from cadbem.operators.compressed.iterate import Iteration
@@ -139,7 +140,7 @@ def represent(
     ``on_patch(patch, *parameters)`` gives (rows, ·).  ``far_away(position)``, what the layers
     come on top of, counts off the boundary only.  Result (rows, M).
     """
-    position = np.ascontiguousarray(points, dtype=float)
+    position = np.ascontiguousarray(shaped("points", points, *[None] * np.ndim(points)))
     dimension = space.boundary.dimension
     if position.ndim != 2 or len(position) != dimension:
         one = ", ".join(["[x]", "[y]", "[z]"][:dimension])

@@ -9,6 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.checks import vector
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.potentials import Potentials
@@ -151,9 +152,10 @@ class StokesSolution:
         Shape (3,), or (1,) in a plane, counter-clockwise.
         """
         parts = []
+        middle = vector("centre", centre, self.space.boundary.dimension)[:, None]
         for i in patches_named(self.space.boundary, name):
             values, points, weights = self.traction.quadrature(i)
-            arms = points.position - np.reshape(centre, (-1, 1))
+            arms = points.position - middle
             parts.append(moment(arms, values) @ weights)
         return np.sum(parts, axis=0)
 

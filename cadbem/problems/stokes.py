@@ -9,12 +9,14 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.checks import whole, within
 from cadbem.errors import ConditionError
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, by_difference, warn_if_doubtful
+from cadbem.problems.slenderness import warn_if_slender
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes_accuracy import Goal, analyse
 from cadbem.problems.straightness import warn_if_not_straight
@@ -35,12 +37,14 @@ class StokesProblem(StokesEquations):
     then be given, which the flow tends to far away.  Where all velocities around the fluid are
     given, so that its pressure is open, f·n has the mean 0 on its container.  ``storage`` of the
     matrix, ``Dense()`` or ``Compressed(tolerance)``; by default what suits the number of points.
+    ``open``: surfaces that are nearly closed are meant to be thin plates with fluid on both sides.
 
-    Raises ``ConditionError`` for a face without a condition, a condition without a face, data that
-    drive no flow, given velocities whose inflow and outflow differ, a background within walls,
-    unbounded fluid in a plane (which has no solution for a body under a force: Stokes' paradox), a
-    viscosity that is not positive; ``UnitsError`` for a quantity that is no viscosity, or that was
-    made for another unit of length than the boundary's.
+    Raises ``ConditionError`` for a boundary that is nearly closed unless it may be ``open``,
+    for a face without a condition, a condition without a face, data that drive no flow, given
+    velocities whose inflow and outflow differ, a background within walls, unbounded fluid in a
+    plane (which has no solution for a body under a force: Stokes' paradox), a viscosity that is
+    not positive; ``UnitsError`` for a quantity that is no viscosity, or that was made for
+    another unit of length than the boundary's.
     """
 
     def __repr__(self) -> str:
@@ -70,6 +74,9 @@ class StokesProblem(StokesEquations):
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
+        if accuracy is not None:
+            within("accuracy", accuracy, 1e-12, 0.5)
+        whole("most_points", most_points)
         bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
         walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
         warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
@@ -78,7 +85,9 @@ class StokesProblem(StokesEquations):
         begin = time.process_time()
         solution = self.flow()
         solution = replace(solution, seconds=time.process_time() - begin)
-        if not isinstance(self.layers, CompressedLayers):
+        if isinstance(self.layers, CompressedLayers):
+            warn_if_slender(self.boundary)
+        else:
             warn_if_doubtful(solution.accuracy)
         return solution
 

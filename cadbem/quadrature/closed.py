@@ -23,6 +23,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.special import erfc
 
+from cadbem.checks import whole, within
+from cadbem.errors import InputError
 from cadbem.quadrature.gauss import MAX_ORDER, Array, gauss_on_breaks, gauss_unit, log_unit
 
 Index = NDArray[np.int64]
@@ -41,11 +43,9 @@ class PolarRule:
     refinement: int = 2
 
     def __post_init__(self) -> None:
-        if not 1e-12 <= self.tolerance <= 1e-2 or self.refinement < 2 or self.refinement % 2:
-            raise ValueError(
-                f"PolarRule({self.tolerance}, {self.refinement}): tolerances from 1e-12 to 1e-2 "
-                "and even refinements are possible"
-            )
+        within("PolarRule's tolerance", self.tolerance, 1e-12, 1e-2)
+        if whole("PolarRule's refinement", self.refinement, 2) % 2:
+            raise InputError(f"PolarRule's refinement is {self.refinement}; give an even number")
 
     def suited(self, stretch: float) -> PolarRule:
         """The rule for a map from the sphere that stretches one direction more than another by
@@ -64,10 +64,8 @@ class SingularitySubtraction:
     order: int = 4
 
     def __post_init__(self) -> None:
-        if self.order not in range(2, 65, 2):
-            raise ValueError(
-                f"SingularitySubtraction({self.order}): even orders from 2 to 64 are possible"
-            )
+        if whole("SingularitySubtraction's order", self.order, 2, 64) % 2:
+            raise InputError(f"SingularitySubtraction's order is {self.order}; give an even number")
 
     def suited(self, stretch: float) -> SingularitySubtraction:
         """The same rule for all shapes, as in the thesis."""

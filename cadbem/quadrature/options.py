@@ -8,6 +8,8 @@ from math import ceil, log, log10, sinh, sqrt
 import numpy as np
 from numpy.typing import NDArray
 
+from cadbem.checks import within
+
 Array = NDArray[np.float64]
 
 STEEP = 12  # order from which tensor rules need room for higher powers of 1/r
@@ -26,8 +28,7 @@ class Quadrature:
     tolerance: float = 1e-8
 
     def __post_init__(self) -> None:
-        if not 1e-14 <= self.tolerance <= 1e-2:
-            raise ValueError(f"quadrature tolerance {self.tolerance} is not in 1e-14 ... 1e-2")
+        within("Quadrature's tolerance", self.tolerance, 1e-14, 1e-2)
 
     def orders(self, degree: int) -> tuple[int, ...]:
         """Gauss orders of the tensor rules, for far panels first; they grow with the degree."""

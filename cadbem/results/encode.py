@@ -5,8 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import astuple, dataclass, replace
-from io import BytesIO
-from pathlib import Path
 from typing import Any
 
 import h5py
@@ -14,8 +12,6 @@ import numpy as np
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.elements.pieces import Pieces
-from cadbem.errors import ResultsError
-from cadbem.files import write_whole
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 from cadbem.spline.nurbs import Nurbs
@@ -35,30 +31,6 @@ Fields = Mapping[int, Mapping[str, Array]]
 ELEMENTS = "elements"
 GEOMETRY = ("coordinates", ELEMENTS)
 COUNTS = ("time", "steps", "evaluations", "length", "drift", "stopped")
-
-
-class Writing:
-    """``with Writing(path) as file``: an HDF5 file that appears at once when the block ends."""
-
-    def __init__(self, path: Path) -> None:
-        self._path, self._memory = path, BytesIO()
-
-    def __enter__(self) -> h5py.File:
-        self._file = h5py.File(self._memory, "w")
-        return self._file
-
-    def __exit__(self, kind: object, *reference: object) -> None:
-        self._file.close()
-        if kind is None:
-            write_whole(self._path, self._memory.getvalue())
-
-
-def reading(path: Path) -> h5py.File:
-    """The file, to read; raises ``ResultsError`` when it is missing or damaged."""
-    try:
-        return h5py.File(path, "r")
-    except OSError as error:
-        raise ResultsError(f"{path} is missing or damaged; start the run anew") from error
 
 
 def write_state(place: h5py.Group, state: State) -> None:
@@ -95,7 +67,7 @@ def _write_pieces(place: h5py.Group, pieces: Pieces | None) -> None:
 
 def _pieces(place: h5py.Group) -> Pieces | None:
     """The elements that were written, if they were."""
-    part = place.get(ELEMENTS)
+    part = place.get(ELEMENTS, None)
     if part is None:
         return None
     return Pieces(part["patch"][:], part["box"][:], part["degree"][:])

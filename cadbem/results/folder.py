@@ -5,20 +5,53 @@ from __future__ import annotations
 import inspect
 import os
 from collections.abc import Iterator, Mapping
+from contextlib import nullcontext
 from dataclasses import dataclass, field
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
 from cadbem.errors import ResultsError
-from cadbem.files import as_results_error, fresh_folder, read_json, write_json, write_whole
+from cadbem.files import (
+    as_results_error,
+    fresh_folder,
+    locked,
+    read_json,
+    remove_unfinished,
+    write_json,
+    write_whole,
+)
 from cadbem.progress import STAGES, notice
-from cadbem.results.manifest import manifest_of
+from cadbem.results.manifest import check_manifest, manifest_of
 from cadbem.results.overview import folder_text
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
-MANIFEST, SUMMARY, LOG = "run.json", "summary.json", "log.txt"
+MANIFEST, SUMMARY, LOG, SCRIPT = "run.json", "summary.json", "log.txt", "script.py"
+
+
+@dataclass
+class Resumption:
+    """An earlier run that is gone on with: the manifest ``before`` and the one of ``now``, which
+    replaces it once nothing is in the way; then it is ``done``."""
+
+    before: dict[str, Any]
+    now: dict[str, Any]
+    done: bool = False
+
+    def carry_out(self, folder: RunFolder) -> None:
+        """Write what has changed into the folder, and restore the script's copy."""
+        self.done = True
+        remove_unfinished(Path(folder))
+        folder.note("resumed")
+        for what in _changes(self.before, self.now):
+            folder.note(what)
+            notice(f"{folder}: {what}")
+        pauses = [*self.before.get("pauses", ()), {"went_on": self.now["began"]}]
+        began = {"began": self.before["began"], "pauses": pauses}
+        write_json(folder / MANIFEST, self.now | began)
+        if not (folder / SCRIPT).exists():
+            _keep_script(folder, self.now)
 
 
 @dataclass(frozen=True)
@@ -28,6 +61,7 @@ class RunFolder:
 
     path: Path | None
     used: set[str] = field(default_factory=set, repr=False, compare=False)
+    resumption: Resumption | None = field(default=None, repr=False, compare=False)
 
     __repr__ = folder_text
 
@@ -61,7 +95,17 @@ class RunFolder:
 
         place = self.path / self._own(part)
         label = f"{part}: " if part else ""
-        return Store(place, simulation, lambda text: self.note(label + text)).run(end, every)
+        note = lambda text: self.note(label + text)  # noqa: E731
+        return Store(place, simulation, note, lambda: self._accepted(part)).run(end, every)
+
+    def _accepted(self, part: str = "") -> None:
+        """Nothing is in the way of going on with an earlier run: now the folder may be changed.
+
+        The folder of the run without a part is locked by then."""
+        if self.resumption is None or self.resumption.done:
+            return
+        with locked(Path(self)) if part else nullcontext():
+            self.resumption.carry_out(self)
 
     def _own(self, part: str) -> str:
         """A part's name, once."""
@@ -79,6 +123,8 @@ class RunFolder:
     def summary(self, values: Mapping[str, float | str]) -> None:
         """Keep what the run found, by names with units, in summary.json: a sweep tabulates it."""
         if self.path is not None:
+            if self.resumption is not None and not self.resumption.done:
+                self._accepted("summary")  # nothing has locked the folder
             write_json(self.path / SUMMARY, {k: _plain(k, v) for k, v in values.items()})
 
     def note(self, text: str) -> None:
@@ -111,18 +157,22 @@ def run_folder(
         return _resumed(path, manifest)
     folder = RunFolder(fresh_folder(path, MANIFEST))
     write_json(path / MANIFEST, manifest)
-    script = manifest["script"]
-    if script:
-        write_whole(path / "script.py", Path(script["file"]).read_bytes())
+    _keep_script(folder, manifest)
     folder.note("began")
     return folder
+
+
+def _keep_script(folder: RunFolder, manifest: Mapping[str, Any]) -> None:
+    """A copy of the script as it is."""
+    if manifest["script"]:
+        write_whole(folder / SCRIPT, Path(manifest["script"]["file"]).read_bytes())
 
 
 def read_manifest(path: Path) -> dict[str, Any]:
     """The manifest of the run in a folder.  Raises ``ResultsError`` when it holds none."""
     if not (path / MANIFEST).exists():
         raise ResultsError(f"{path} holds no run: there is no {MANIFEST} in it")
-    return read_json(path / MANIFEST)
+    return check_manifest(read_json(path / MANIFEST), path / MANIFEST)
 
 
 def _resumed(path: Path, manifest: dict[str, Any]) -> RunFolder:
@@ -133,14 +183,7 @@ def _resumed(path: Path, manifest: dict[str, Any]) -> RunFolder:
                 f"{new['file']} has changed since the run in {path} began; start it anew in "
                 "another folder"
             )
-    folder = RunFolder(path)
-    folder.note("resumed")
-    for what in _changes(before, manifest):
-        folder.note(what)
-        notice(f"{path}: {what}")
-    pauses = [*before.get("pauses", ()), {"went_on": manifest["began"]}]
-    write_json(path / MANIFEST, manifest | {"began": before["began"], "pauses": pauses})
-    return folder
+    return RunFolder(path, resumption=Resumption(before, manifest))
 
 
 def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]:
@@ -153,6 +196,9 @@ def _changes(before: Mapping[str, Any], now: Mapping[str, Any]) -> Iterator[str]
             was = before[kind].get(name)
             if value != was and name not in ("output", "resume"):
                 yield f"{name} is {value}, was {was}"
+    for name in ("cores", "threads"):
+        if now[name] != before[name]:
+            yield f"{name} are {now[name]}, were {before[name]}: last digits may differ"
 
 
 def _plain(name: str, value: Any) -> float | str:

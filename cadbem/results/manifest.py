@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import inspect
+import json
 import os
 import platform
 from collections.abc import Sequence
@@ -15,14 +16,45 @@ from typing import Any
 
 from cadbem.command import CURRENT, Command
 from cadbem.errors import ResultsError
+from cadbem.operators.parallel import CORES, linear_algebra_threads
 
+REMEDY = "put back a sound copy of it, or begin anew in another folder"
 LIBRARIES = ("cadbem", "gmsh", "numpy", "scipy", "numba", "pyvista", "h5py")
+
+
+# kinds of the values in a manifest, those of lists and mappings within them in the second place
+KINDS: dict[str, tuple[Any, Any]] = {
+    "script": (dict | None, object),
+    "arguments": (dict, str | int | float | bool),
+    "inputs": (list, dict),
+    "began": (str, object),
+    "working_folder": (str, object),
+    "versions": (dict, str),
+    "cores": (int, object),
+    "threads": (int, object),
+}
+
+
+def check_manifest(values: Any, path: Path) -> dict[str, Any]:
+    """What was read from a manifest.  Raises ``ResultsError`` if it is not what a run writes."""
+    for name, (kind, inner) in KINDS.items():
+        value: Any = values.get(name, ...) if isinstance(values, dict) else ...
+        items = value.values() if isinstance(value, dict) else value
+        fits = isinstance(value, kind)
+        fits &= not isinstance(value, dict | list) or all(isinstance(i, inner) for i in items)
+        if not fits or "\\u0000" in json.dumps(value):
+            raise ResultsError(f"{path}: '{name}' is not what a run writes; {REMEDY}")
+    for file in (values["script"] or {}, *values["inputs"]):
+        if file and not all(isinstance(file.get(k), str) for k in ("file", "sha256")):
+            raise ResultsError(f"{path}: a file in it has no name or digest; {REMEDY}")
+    return values
 
 
 def manifest_of(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, Any]:
     """The command that is carried out, else the function that calls: its file with the digest, its
     arguments that are numbers, words or truth values; versions, machine, time; the ``inputs`` with
-    their digests."""
+    their digests; how many cores and threads of linear algebra it has, on which the last digits
+    depend."""
     command = CURRENT.get() or _call(caller)
     plain = {
         name: value
@@ -36,6 +68,8 @@ def manifest_of(caller: FrameType, inputs: Sequence[str | Path]) -> dict[str, An
         "began": datetime.now().astimezone().isoformat(timespec="seconds"),
         "working_folder": str(Path.cwd()),
         "versions": {"python": platform.python_version()} | _versions(),
+        "cores": CORES.get(),
+        "threads": linear_algebra_threads(),
         "machine": f"{platform.platform()}, {os.cpu_count()} cores",
     }
 

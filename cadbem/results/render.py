@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from cadbem.post.run_pictures import RunPictures, Series
-from cadbem.results.store import CHECKPOINT
+from cadbem.results.progress import CHECKPOINT
 from cadbem.results.stored import StoredRun, open_run
 from cadbem.spline.basis import Array
 

@@ -2,19 +2,19 @@
 
 At each accepted step the frames that it completes are written, then the rows of the tables, and
 last the checkpoint, which says how many frames and bytes are valid.  What an interruption leaves
-beyond that is overwritten: a run loses at most the step that it was computing.
+beyond that is overwritten: a run loses at most the step that it was computing.  The checkpoint of
+the step before is kept, in case that the latest one is damaged.
 """
 
 from __future__ import annotations
 
-import json
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-import h5py
-
+from cadbem.command import MEND
 from cadbem.errors import ResultsError
 from cadbem.files import (
     csv_lines,
@@ -22,59 +22,87 @@ from cadbem.files import (
     make_folder,
     names_of,
     read_json,
+    remove_unfinished,
     write_at,
     write_json,
 )
 from cadbem.post.bodies.series import write_channel, write_frame, write_index
+from cadbem.progress import notice
 from cadbem.results.describe import described, first_difference
 from cadbem.results.encode import (
     ReferenceShape,
-    Writing,
     read_checkpoint,
     read_state,
-    reading,
     write_boundary,
     write_checkpoint,
     write_fields,
     write_reference_shape,
     write_state,
 )
+from cadbem.results.hdf5 import Writing, is_sound, reading
+from cadbem.results.progress import (
+    BEFORE,
+    CHECKPOINT,
+    FRAMES,
+    PARAVIEW,
+    SETUP,
+    TABLES,
+    Progress,
+    frame_file,
+    has_checkpoint,
+    newest_checkpoint,
+    progress_of_frames,
+    sound_frames,
+    table_content,
+)
 from cadbem.results.series import body_rows, frame_of, run_row
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.checkpoint import Checkpoint
+from cadbem.suspension.time.limits import check_times
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
-DESCRIPTION, SETUP, CHECKPOINT = "simulation.json", "setup.h5", "checkpoint.h5"
-FRAMES, PARAVIEW = "frames", "paraview"
-TABLES = ("run.csv", "bodies.csv")
+DESCRIPTION = "simulation.json"
+ANEW = "put back a sound copy, or begin anew in another folder"
 Note = Callable[[str], None]
 
 
-def frame_file(folder: Path, index: int) -> Path:
-    """Where the frame of an index is."""
-    return folder / FRAMES / f"{index:05d}.h5"
+@dataclass(frozen=True)
+class Kept:
+    """What an earlier run has left: the ``checkpoint`` to go on from, if any, the ``progress`` at
+    it, and remarks to be ``said``; ``mended`` where files after it are damaged."""
+
+    checkpoint: Checkpoint | None = None
+    progress: Progress = Progress()
+    said: tuple[str, ...] = ()
+    mended: bool = False
 
 
 @dataclass(frozen=True, eq=False)
 class Store:
-    """The ``folder`` of one simulation's run, and ``note``, which receives lines for the log."""
+    """The ``folder`` of one simulation's run, ``note``, which receives lines for the log, and
+    ``accepted``, which is called when nothing is in the way of the run and the folder is locked:
+    before that nothing is written."""
 
     folder: Path
     simulation: Simulation
     note: Note
+    accepted: Callable[[], None]
 
     def run(self, end: float, every: float | None) -> Iterator[State]:
         """The states that ``simulation.run`` gives: first those of an earlier run, if there was
         one, then the rest of them."""
+        check_times(end, every)
         make_folder(self.folder)
         with locked(self.folder):
-            kept = self._begun(every)
-            if kept is None:
-                since, progress = None, Progress()
-            else:
-                since, progress = kept
+            description = described(self.simulation) | {"every": repr(every)}
+            kept = self._kept(description)
+            since, progress = kept.checkpoint, kept.progress
+            if since is not None:
                 self._check_end(since.state, end)
+            self.accepted()
+            self._prepare(description, kept)
+            if since is not None:
                 self.note(f"goes on from t = {since.state.time:.6g}, {len(progress.times)} frames")
             for index in range(len(progress.times)):
                 yield self._frame(index)
@@ -109,13 +137,12 @@ class Store:
             raise
         self.note(f"done at t = {reached:.6g}, {len(progress.times)} frames")
 
-    def _begun(self, every: float | None) -> tuple[Checkpoint, Progress] | None:
-        """Where an earlier run of the same simulation ended; begins one if there was none.
+    def _kept(self, description: dict[str, str]) -> Kept:
+        """Where an earlier run of the same simulation ended, if there was one.
 
-        Raises ``ResultsError`` when it was another simulation.
+        Raises ``ResultsError`` when it was another simulation, or when its files are damaged.
         """
-        description = described(self.simulation) | {"every": repr(every)}
-        file, checkpoint = self.folder / DESCRIPTION, self.folder / CHECKPOINT
+        file = self.folder / DESCRIPTION
         if file.exists():
             differs = first_difference(read_json(file), description)
             if differs:
@@ -123,15 +150,64 @@ class Store:
                     f"{self.folder} holds the run of something else ({differs}); go on with what "
                     "it was made from, or choose another folder"
                 )
-        if checkpoint.exists():
-            with reading(checkpoint) as place:
-                return read_checkpoint(place, self.simulation), Progress.read(place)
-        self._begin(description)
-        return None
+        newest, sound = newest_checkpoint(self.folder), sound_frames(self.folder)
+        if newest is None:
+            # the first frame comes before the first checkpoint
+            begun = has_checkpoint(self.folder) or frame_file(self.folder, 1).exists()
+            return self._mended(self.folder / CHECKPOINT, sound) if begun else Kept()
+        with reading(newest, ANEW) as place:
+            checkpoint, progress = read_checkpoint(place, self.simulation), Progress.read(place)
+        if sound < len(progress.times):
+            return self._mended(frame_file(self.folder, sound), sound)
+        said = self._damaged_tables(progress)
+        if newest.name == BEFORE and (self.folder / CHECKPOINT).exists():
+            said.append(f"{CHECKPOINT} is damaged; goes on from the one of the step before")
+        return Kept(checkpoint, progress, tuple(said))
 
-    def _begin(self, description: dict[str, str]) -> None:
-        start, flow = self.simulation.start, self.simulation.flow
+    def _mended(self, broken: Path, sound: int) -> Kept:
+        """The run as it was at its newest sound frame, or nothing; only if the user wants that."""
+        if not MEND.get():
+            raise ResultsError(
+                f"{broken} is missing or damaged: {ANEW}, or let 'cadbem resume FOLDER --mend' go "
+                f"on from {f'frame {sound - 1}' if sound else 'the beginning'}, the newest state "
+                "that is sound"
+            )
+        said = (f"{broken} was missing or damaged; goes on from {sound} sound frames",)
+        if not sound:
+            return Kept(said=said, mended=True)
+        progress = progress_of_frames(self.folder, sound)
+        checkpoint = self.simulation.march.beginning(self._frame(sound - 1))
+        return Kept(checkpoint, progress, said, mended=True)
+
+    def _damaged_tables(self, progress: Progress) -> list[str]:
+        """What to say of tables that are not as they were written."""
+        said = []
+        for name, size, check in zip(TABLES, progress.sizes, progress.checks, strict=True):
+            try:
+                table_content(self.folder / name, size, check)
+            except ResultsError as error:
+                said.append(str(error))
+        return said
+
+    def _prepare(self, description: dict[str, str], kept: Kept) -> None:
+        """Everything but frames and tables, where it is missing or to be made anew."""
+        for text in kept.said:
+            notice(f"{self.folder}: {text}")
+            self.note(text)
+        for folder in (self.folder, self.folder / FRAMES, self.folder / PARAVIEW):
+            remove_unfinished(folder)
         make_folder(self.folder / FRAMES)
+        if kept.checkpoint is None or not is_sound(self.folder / SETUP):
+            self._set_up()
+        write_json(self.folder / DESCRIPTION, description)
+        if kept.mended:
+            for name in (CHECKPOINT, BEFORE):
+                (self.folder / name).unlink(missing_ok=True)
+        if kept.mended and kept.checkpoint is not None:
+            self._checkpoint(kept.checkpoint, kept.progress)
+
+    def _set_up(self) -> None:
+        start, flow = self.simulation.start, self.simulation.flow
         with Writing(self.folder / SETUP) as place:
             if isinstance(flow, ChannelFlow):
                 write_boundary(place.create_group("channel"), flow.problem.boundary)
@@ -139,7 +215,6 @@ class Store:
                 write_reference_shape(place.create_group(f"body_{number}"), ReferenceShape.of(body))
         if isinstance(flow, ChannelFlow):
             write_channel(self.folder / PARAVIEW, flow.problem.boundary)
-        write_json(self.folder / DESCRIPTION, description)
 
     def _frame(self, index: int) -> State:
         with reading(frame_file(self.folder, index)) as place:
@@ -157,34 +232,17 @@ class Store:
         write_index(self.folder / PARAVIEW, times)
         rows = [run_row(work, progress.seconds)], body_rows(work)
         heads = progress.columns or (names_of(rows[0]), names_of(rows[1]))
-        sizes = []
-        for name, head, size, part in zip(TABLES, heads, progress.sizes, rows, strict=True):
-            sizes.append(write_at(self.folder / name, size, csv_lines(part, head, not size)))
-        return replace(progress, times=times, columns=heads, sizes=tuple(sizes))
+        sizes, checks = [], []
+        for k, name in enumerate(TABLES):
+            lines = csv_lines(rows[k], heads[k], not progress.sizes[k])
+            sizes.append(write_at(self.folder / name, progress.sizes[k], lines))
+            checks.append(zlib.crc32(lines, progress.checks[k]))
+        return Progress(times, heads, tuple(sizes), tuple(checks), progress.seconds)
 
     def _checkpoint(self, checkpoint: Checkpoint, progress: Progress) -> None:
-        with Writing(self.folder / CHECKPOINT) as place:
+        file = self.folder / CHECKPOINT
+        if is_sound(file):
+            file.replace(self.folder / BEFORE)
+        with Writing(file) as place:
             write_checkpoint(place, checkpoint)
             progress.write(place)
-
-
-@dataclass(frozen=True)
-class Progress:
-    """The valid part of the files: the frames' ``times``, the ``columns`` of both tables and their
-    ``sizes`` in bytes; CPU ``seconds`` spent."""
-
-    times: tuple[float, ...] = ()
-    columns: tuple[list[str], list[str]] | None = None
-    sizes: tuple[int, ...] = (0, 0)
-    seconds: float = 0.0
-
-    def write(self, place: h5py.Group) -> None:
-        place["times"] = self.times
-        place.attrs.update(columns=json.dumps(self.columns), sizes=self.sizes, seconds=self.seconds)
-
-    @classmethod
-    def read(cls, place: h5py.Group) -> Progress:
-        sizes = tuple(int(size) for size in place.attrs["sizes"])
-        names = json.loads(place.attrs["columns"])
-        times = tuple(float(t) for t in place["times"][:])
-        return cls(times, names, sizes, float(place.attrs["seconds"]))

@@ -12,28 +12,36 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ResultsError
-from cadbem.files import as_results_error
 from cadbem.post.fields.frames import Frame
 from cadbem.results.encode import (
     ReferenceShape,
     read_boundary,
     read_fields,
     read_reference_shape,
-    reading,
 )
+from cadbem.results.hdf5 import reading
 from cadbem.results.overview import stored_text
-from cadbem.results.store import CHECKPOINT, SETUP, TABLES, Progress, frame_file
+from cadbem.results.progress import (
+    CHECKPOINT,
+    SETUP,
+    TABLES,
+    Progress,
+    frame_file,
+    has_checkpoint,
+    newest_checkpoint,
+    table_content,
+)
 from cadbem.spline.basis import Array
 
 
 @dataclass(frozen=True, eq=False)
 class StoredRun:
     """A simulation's run in a ``folder``; the frames' ``times`` (N,) as far as it had come when it
-    was opened, and the ``sizes`` of its tables in bytes then."""
+    was opened, and the ``progress`` then."""
 
     folder: Path
     times: Array
-    sizes: tuple[int, ...]
+    progress: Progress
 
     __repr__ = stored_text
 
@@ -66,12 +74,17 @@ class StoredRun:
     @property
     def run_table(self) -> dict[str, Array]:
         """The columns (N,) of run.csv."""
-        return _columns(self.folder / TABLES[0], self.sizes[0])
+        return self._table(0)
 
     @property
     def body_table(self) -> dict[str, Array]:
         """The columns of bodies.csv: a row for each frame and body; not a number where empty."""
-        return _columns(self.folder / TABLES[1], self.sizes[1])
+        return self._table(1)
+
+    def _table(self, number: int) -> dict[str, Any]:
+        sizes, checks = self.progress.sizes, self.progress.checks
+        file = self.folder / TABLES[number]
+        return _columns(file, table_content(file, sizes[number], checks[number]))
 
 
 def open_run(path: str | Path) -> StoredRun:
@@ -80,21 +93,19 @@ def open_run(path: str | Path) -> StoredRun:
     Raises ``ResultsError`` when there is none; where a run has parts, it names them.
     """
     folder = Path(path)
-    if not (folder / CHECKPOINT).exists():
+    if not has_checkpoint(folder):
         parts = sorted(p.parent.name for p in folder.glob(f"*/{CHECKPOINT}"))
         hint = f"; its parts have: {', '.join(parts)}" if parts else ""
         raise ResultsError(f"{folder} holds no frames of a simulation{hint}")
-    with reading(folder / CHECKPOINT) as place:
+    with reading(newest_checkpoint(folder) or folder / CHECKPOINT) as place:
         progress = Progress.read(place)
-    return StoredRun(folder, np.array(progress.times), progress.sizes)
+    return StoredRun(folder, np.array(progress.times), progress)
 
 
-def _columns(file: Path, size: int) -> dict[str, Any]:
+def _columns(file: Path, content: bytes) -> dict[str, Any]:
     """Columns by name: of numbers, not a number where empty, or of words."""
-    with as_results_error(file):
-        content = file.read_bytes()[:size]
-    rows = list(csv.reader(content.decode().splitlines()))
-    if len(content) < size or len({len(row) for row in rows}) > 1:
+    rows = list(csv.reader(content.decode(errors="replace").splitlines()))
+    if len({len(row) for row in rows}) > 1:
         raise ResultsError(f"{file} is damaged; the numbers are in the frames, too")
     return {name: _column(cells) for name, *cells in zip(*rows, strict=True)}
 

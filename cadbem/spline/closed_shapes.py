@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.checks import one_of, positive, positive_array, vector, whole
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, closed_spline
 from cadbem.units import check
@@ -36,8 +37,12 @@ def spline_ellipsoid(
     """
     check("radius or semi-axis", semi_axes, "length")
     check("centre", centre, "length")
-    axes = np.asarray(semi_axes, dtype=float)
-    middle = np.zeros(len(axes)) if centre is None else np.asarray(centre, dtype=float)
+    axes = positive_array("semi_axes", semi_axes, None)
+    one_of("the number of semi_axes", len(axes), (2, 3))
+    one_of("pole", pole, (0, 1, 2))
+    whole("points", points)
+    whole("degree", degree)
+    middle = vector("centre", 0.0 if centre is None else centre, len(axes))
     turn = 2 - pole if len(axes) == 3 else 0
 
     def shape(unit: Array) -> Array:
@@ -54,6 +59,8 @@ def spline_sphere(
     pole: int = 2,
 ) -> ClosedSpline:
     """A sphere of about ``points`` collocation points."""
+    check("radius", radius, "length")
+    positive("radius", radius)
     return spline_ellipsoid((radius,) * 3, centre, points, degree, pole)
 
 
@@ -61,6 +68,7 @@ def spline_ellipse(
     semi_axes: ArrayLike, centre: ArrayLike = (0.0, 0.0), points: int = 64, degree: int = 4
 ) -> ClosedSpline:
     """An ellipse along the coordinate axes."""
+    positive_array("semi_axes", semi_axes, 2)
     return spline_ellipsoid(semi_axes, centre, points, degree)
 
 
@@ -68,4 +76,6 @@ def spline_circle(
     radius: float = 1.0, centre: ArrayLike = (0.0, 0.0), points: int = 64, degree: int = 4
 ) -> ClosedSpline:
     """A circle of ``points`` collocation points."""
+    check("radius", radius, "length")
+    positive("radius", radius)
     return spline_ellipse((radius, radius), centre, points, degree)

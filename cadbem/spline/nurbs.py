@@ -10,6 +10,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from cadbem.errors import InputError
 from cadbem.overviews import nurbs_text
 from cadbem.spline.basis import (
     Array,
@@ -30,7 +31,7 @@ class Nurbs:
 
     ``degrees`` and open ``knots`` one a parameter; Cartesian control ``points``
     (n_1[, n_2], dim) in the model's unit of length; positive ``weights`` (n_1[, n_2]).
-    Raises ``ValueError`` when the shapes do not fit together.
+    Raises ``InputError`` when the shapes do not fit together.
     """
 
     degrees: tuple[int, ...]
@@ -41,12 +42,12 @@ class Nurbs:
     def __post_init__(self) -> None:
         counts = tuple(map(function_count, self.degrees, self.knots))
         if self.points.shape[:-1] != counts or self.weights.shape != counts:
-            raise ValueError(
+            raise InputError(
                 f"knots and degrees ask for {counts} control points; "
                 f"points have shape {self.points.shape}, weights {self.weights.shape}"
             )
-        if not (self.weights > 0).all():
-            raise ValueError("weights must be positive")
+        if not (self.weights > 0).all() or not np.isfinite(self.weights).all():
+            raise InputError("weights must be positive")
 
     __repr__ = nurbs_text
 
@@ -89,7 +90,7 @@ class Nurbs:
         (dim, *broadcast shape).  Quotient rule on homogeneous derivatives (NURBS Book, 4.5).
         """
         if order > 2:
-            raise ValueError("derivatives are available to order 2")
+            raise InputError("derivatives are available to order 2")
         grids = np.broadcast_arrays(*[np.asarray(p, dtype=float) for p in parameters])
         homogeneous = self._homogeneous_derivatives(order, grids)
         result: dict[tuple[int, ...], Array] = {}
@@ -177,7 +178,8 @@ class Nurbs:
             fewer = np.linalg.lstsq(matrix, flat, rcond=None)[0]
             if abs(matrix @ fewer - flat).max() <= NEEDLESS * abs(flat).max():
                 shape = np.moveaxis(control, axis, 0).shape[1:]
-                control, knots[axis] = np.moveaxis(fewer.reshape(-1, *shape), 0, axis), ends
+                knots[axis] = ends
+                control = np.moveaxis(np.asarray(fewer).reshape(-1, *shape), 0, axis)
         return Nurbs.from_homogeneous(self.degrees, tuple(knots), control)
 
     def restricted(self, *bounds: tuple[float, float]) -> Nurbs:

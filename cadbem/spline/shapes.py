@@ -13,6 +13,8 @@ from math import comb
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.checks import finite, positive, positive_array, shaped, whole
+from cadbem.errors import InputError
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
@@ -32,7 +34,8 @@ def parallelogram(corner: ArrayLike, first: ArrayLike, second: ArrayLike) -> Nur
 
 def box(low: Vector = Origin, high: Vector = (1.0, 1.0, 1.0)) -> tuple[Nurbs, ...]:
     """The six sides of a box, normals inwards: low and high x, low and high y, low and high z."""
-    start, end = np.asarray(low, dtype=float), np.asarray(high, dtype=float)
+    start, end = shaped("low", low, 3), shaped("high", high, 3)
+    positive_array("high - low", end - start, 3)
     edges = np.diag(end - start)
     sides = []
     for axis in range(3):
@@ -44,6 +47,9 @@ def box(low: Vector = Origin, high: Vector = (1.0, 1.0, 1.0)) -> tuple[Nurbs, ..
 
 def cylinder(radius: float = 1.0, length: float = 1.0, start: Vector = Origin) -> tuple[Nurbs, ...]:
     """The round side of a cylinder along x from ``start``, in four quarters; normals inwards."""
+    positive("radius", radius)
+    positive("length", length)
+    shaped("start", start, 3)
     net = np.zeros((2, 3, 4))
     net[:, :, 1], net[:, :, 2], net[:, :, 3] = ARC[:, 0], ARC[:, 1], ARC[:, 2]
     net[1, :, 0] = ARC[:, 2]
@@ -56,6 +62,7 @@ def sphere(
     radius: float = 1.0, centre: Vector = Origin, *, inwards: bool = False
 ) -> tuple[Nurbs, ...]:
     """A sphere without poles: six biquartic patches, the faces of a blown-up cube."""
+    positive("radius", radius)
     return ellipsoid((radius,) * 3, centre, inwards=inwards)
 
 
@@ -72,6 +79,7 @@ def sphere_octants(
     radius: float = 1.0, centre: Vector = Origin, *, inwards: bool = False
 ) -> tuple[Nurbs, ...]:
     """A sphere of eight biquadratic patches; one edge of each shrinks to a pole on the z axis."""
+    positive("radius", radius)
     octant = _bezier(_revolved(ARC, ARC))
     patches = []
     for k, south in product(range(4), (False, True)):
@@ -87,6 +95,7 @@ def sphere_with_poles(
 ) -> tuple[Nurbs, ...]:
     """A sphere as one patch: four arcs around the z axis from a seam to itself, two from pole
     to pole."""
+    positive("radius", radius)
     quarters = [ARC @ _turn(2, k).T for k in range(4)]
     around = np.concatenate([q[:2] for q in quarters] + [ARC[:1]])
     meridian = np.concatenate([np.flip(ARC[1:] * [1, -1, 1], 0), ARC])
@@ -104,6 +113,11 @@ def plate(
     A square of side ``middle`` with ``spans`` elements a side, and four trapezoids around it
     with ``rings`` elements outwards, whose lengths are a geometric series.
     """
+    positive("middle", middle)
+    if not finite("side", side) > middle:
+        raise InputError(f"side is {side}; give a finite number above the middle's {middle}")
+    for name, value in (("degree", degree), ("spans", spans), ("rings", rings)):
+        whole(name, value)
     growth, across = side / middle, np.linspace(0, 1, spans + 1)[1:-1]
     outwards = (growth ** (np.arange(1, rings) / rings) - 1) / (growth - 1)
     square = parallelogram((-middle / 2, -middle / 2, 0), (middle, 0, 0), (0, middle, 0))
@@ -175,5 +189,7 @@ def _placed(
     patches: Sequence[Nurbs], semi_axes: Vector, centre: Vector, inwards: bool
 ) -> tuple[Nurbs, ...]:
     """Patches of the unit sphere, normals outwards, stretched, moved and turned."""
-    placed = [p.transformed(np.diag(np.asarray(semi_axes, dtype=float)), centre) for p in patches]
+    size = np.diag(positive_array("semi_axes", semi_axes, 3))
+    middle = shaped("centre", centre, 3)
+    placed = [p.transformed(size, middle) for p in patches]
     return tuple(p.swapped() for p in placed) if inwards else tuple(placed)

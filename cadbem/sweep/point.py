@@ -10,6 +10,7 @@ from pathlib import Path
 from threading import Event
 from typing import Any
 
+from cadbem.errors import ResultsError
 from cadbem.files import read_json, write_json
 
 PATIENCE = 0.2  # seconds between looks at a process
@@ -41,7 +42,11 @@ class Point:
     @property
     def summary(self) -> dict[str, Any] | None:
         """The summary of the run, None as long as it is not complete."""
-        return read_json(Path(self.folder, "summary.json")) if self.mark.exists() else None
+        file = Path(self.folder, "summary.json")
+        found = read_json(file) if self.mark.exists() else None
+        if not isinstance(found, dict | None):
+            raise ResultsError(f"{file} is not what a run writes; remove {self.mark}")
+        return found
 
     @property
     def command(self) -> list[str]:

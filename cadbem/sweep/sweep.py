@@ -10,15 +10,26 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
 
-from cadbem.errors import CadbemError
+from cadbem.errors import CadbemError, ResultsError
 from cadbem.files import fresh_folder, locked, read_json, write_json
 from cadbem.operators.parallel import CORES
 from cadbem.progress import notice, progress
+from cadbem.results.manifest import digested
+from cadbem.results.trust import check_script
 from cadbem.sweep.engines import Outcome, on_a_cluster, on_this_machine
 from cadbem.sweep.point import Point
 from cadbem.sweep.report import draw_table, write_table
 from cadbem.sweep.values import parsed, points_of
 
+KINDS = {
+    "script": str,
+    "sha256": str,
+    "swept": dict,
+    "others": list,
+    "start": str,
+    "jobs": int | None,
+    "cluster": str | None,
+}
 DEFINITION, TABLE, PLOT = "sweep.json", "table.csv", "sweep.png"
 
 
@@ -41,6 +52,7 @@ def begin_sweep(
     fresh_folder(folder, DEFINITION)
     definition = {
         "script": str(Path(script).resolve()),
+        "sha256": digested(Path(script))["sha256"],
         "swept": swept,
         "others": others,
         "start": str(Path.cwd()),
@@ -52,12 +64,20 @@ def begin_sweep(
 
 
 def resume_sweep(
-    folder: str | os.PathLike[str], jobs: int | None = None, cluster: str | None = None
+    folder: str | os.PathLike[str],
+    jobs: int | None = None,
+    cluster: str | None = None,
+    trusted: bool = False,
 ) -> int:
     """Run what is left of a sweep in a folder, by default with the ``jobs`` or on the ``cluster``
-    that it was begun with; returns 0, or 1 if any run failed."""
+    that it was begun with; returns 0, or 1 if any run failed.
+
+    Raises ``ResultsError`` for a script that has changed, or came with the folder, unless it is
+    ``trusted``."""
     place = Path(folder)
-    definition = read_json(place / DEFINITION)
+    definition = _definition(place)
+    if Path(definition["script"]).is_file():
+        check_script(place, Path(definition["script"]), definition["sha256"], trusted)
     cluster = cluster or (None if jobs else definition["cluster"])
     at_a_time = min(jobs or definition["jobs"] or CORES.get(), len(points_of(definition["swept"])))
     points = _points(place, definition, 1 if cluster else max(1, CORES.get() // at_a_time))
@@ -72,6 +92,24 @@ def resume_sweep(
     pictures = draw_table(place / PLOT, points)
     print("\n".join(str(file) for file in (place / TABLE, *pictures)))
     return 0 if all(point.summary is not None for point in points) else 1
+
+
+def _definition(place: Path) -> dict[str, Any]:
+    """What was kept of a sweep.  Raises ``ResultsError`` if it is not what a sweep writes."""
+    values = read_json(place / DEFINITION)
+    for name, kind in KINDS.items():
+        value: Any = values.get(name, ...) if isinstance(values, dict) else ...
+        fits = isinstance(value, kind) and "\0" not in str(value)
+        if name == "swept" and fits:
+            lists = [*value.values()]
+            fits = bool(lists) and all(isinstance(words, list) and words for words in lists)
+            value = [word for words in lists for word in words] if fits else []
+        if not fits or isinstance(value, list) and not all(isinstance(w, str) for w in value):
+            raise ResultsError(
+                f"{place / DEFINITION}: '{name}' is not what a sweep writes; put back a sound copy "
+                "of it, or begin anew in another folder"
+            )
+    return values
 
 
 def _carry_out(place: Path, points: list[Point], left: int, engine: Iterator[Outcome]) -> None:

@@ -14,7 +14,7 @@ NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 RANGE = re.compile(rf"({NUMBER}):({NUMBER}):(\d+)(:log)?(\s+\S.*)?")
 LIST = re.compile(rf"({NUMBER}(?:,{NUMBER})+)(\s+\S.*)?")
 LIKELY = re.compile(rf"{NUMBER}[:,]")  # what was meant to be one of these
-DIGITS = 12
+DIGITS, MOST = 12, 100_000
 
 
 def parsed(arguments: Sequence[str]) -> tuple[dict[str, list[str]], list[str]]:
@@ -63,8 +63,8 @@ def values_of(text: str) -> list[str]:
     """The values that a range or a list stands for; none for any other text."""
     if found := RANGE.fullmatch(text):
         first, last, count = float(found[1]), float(found[2]), int(found[3])
-        if count < 1:
-            raise CadbemError(f"'{text}': the count is {count}; it must be 1 or more")
+        if not 1 <= count <= MOST:
+            raise CadbemError(f"'{text}': the count is {count}; it must be from 1 to {MOST}")
         if found[4] and not first * last > 0:
             raise CadbemError(f"'{text}': with ':log' both ends must be on one side of zero")
         spread = np.geomspace if found[4] else np.linspace

@@ -11,12 +11,14 @@ nothing from the project, so that it starts quickly.
 from __future__ import annotations
 
 import json
+import os
 import sys
 from pathlib import Path
 from runpy import run_path
 
 
 def main(task: str, source: str, folder: str, option: str) -> None:
+    limit_memory()
     import gmsh
 
     gmsh.initialize(interruptible=False, readConfigFiles=False)
@@ -33,9 +35,19 @@ def main(task: str, source: str, folder: str, option: str) -> None:
         elif len(found["solids"]) == 1:
             _mesh(gmsh, float(option), Path(folder, "mesh.npz"))
     except Exception as error:  # whatever the kernel throws, the parent words it
-        found = {"error": str(error)}
+        found = {"error": str(error) or type(error).__name__}
     Path(folder, "model.json").write_text(json.dumps(found))
     gmsh.finalize()
+
+
+def limit_memory(share: float = 0.75) -> None:
+    """A file that asks for more than this share of the machine's memory ends this process."""
+    try:
+        import resource
+    except ImportError:  # Windows
+        return
+    most = int(share * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
 
 
 def _import(gmsh, source: str) -> dict:

@@ -13,7 +13,7 @@ from time import monotonic
 import numpy as np
 
 from cadbem.cad.text.source import CadSource
-from cadbem.errors import CadError
+from cadbem.errors import CadError, printable
 from cadbem.progress import progress
 from cadbem.spline.basis import Array
 
@@ -54,7 +54,8 @@ def import_model(source: CadSource, time_limit: float, room: str = "solid") -> K
         record = Path(folder, "model.brep")
         brep = record.read_text() if record.exists() else ""
     return KernelModel(
-        brep, found["faces"], found["curves"], found["sewn"], tuple(found["solids"]), log,
+        brep, found["faces"], found["curves"], found["sewn"],
+        tuple(map(printable, found["solids"])), log,
         tuple(found["healed"]), tuple(found.get("box", ())), tuple(found.get("flat", ())),
         tuple(map(tuple, found.get("measures", ()))), tuple(found.get("volumes", ())),
     )  # fmt: skip
@@ -145,7 +146,8 @@ def _crash_message(source: CadSource, code: int, log: tuple[str, ...]) -> str:
     if any("OSError" in line for line in log):  # a shared library is missing
         return f"gmsh does not start ({log[-1]}); install the system library it names"
     return (
-        f"{source.name}: the CAD kernel crashed on the file (exit code {code}); "
+        f"{source.name}: the CAD kernel crashed on the file (exit code {code}), or found too "
+        "little memory; "
         "export it again from the CAD program, perhaps in the other format"
     )
 

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 from cadbem.cad.faces.face_geometry import points_on
 from cadbem.cad.kernel.brep import BrepFace, EdgeUse
 from cadbem.cad.text.unit import Unit
-from cadbem.errors import CadError
+from cadbem.errors import CadError, printable
 from cadbem.spline.basis import Array
 
 MATCH = 1e-6  # distance, per size of the model, within which corners are the same
@@ -28,6 +28,10 @@ class FaceLabel:
     middles: Array  # (m, 3), a point for each edge: the middle, or the mean of control points
     layer: str = ""
     colour: str = ""  # "#rrggbb"
+
+    def __post_init__(self) -> None:
+        for kind in ("name", "layer", "colour"):
+            object.__setattr__(self, kind, printable(getattr(self, kind)))
 
     @property
     def texts(self) -> tuple[str, str, str]:

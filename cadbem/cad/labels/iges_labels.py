@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.spatial import cKDTree
 
 from cadbem.cad.faces.curves import spline_nurbs
 from cadbem.cad.kernel.brep_geometry import SplineRecord
@@ -181,10 +182,9 @@ def _check_closed(edges: list[_Edge], place: str) -> None:
     ends = np.array([point for edge in edges for point in edge[:2]])
     if not len(ends):
         return
-    gaps = np.linalg.norm(ends[:, None] - ends, axis=2)
-    np.fill_diagonal(gaps, np.inf)
+    gaps = cKDTree(ends).query(ends, k=2)[0][:, 1]
     size = np.ptp(np.array(edges).reshape(-1, 3), axis=0).max()
-    if gaps.min(axis=1).max() > RAGGED * size:
+    if gaps.max() > RAGGED * size:
         raise ValueError(f"{place} round a face is not closed")
 
 

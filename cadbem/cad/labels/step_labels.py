@@ -9,18 +9,15 @@ import numpy as np
 from cadbem.cad.labels.face_labels import FaceLabel
 from cadbem.cad.text.spline_checks import check_step_spline
 from cadbem.cad.text.step_styles import colours, faces_of, layers
-from cadbem.cad.text.step_syntax import dangling, decoded, entities, references
+from cadbem.cad.text.step_syntax import dangling, decoded, entities, references, without_strings
 from cadbem.cad.text.unit import Unit
 from cadbem.spline.basis import Array
 
 _FACE = re.compile(r"(?:ADVANCED_FACE|FACE_SURFACE)\('((?:[^']|'')*)',\(([#\d,]*)\)")
 _CONTEXT = re.compile(r"GLOBAL_UNIT_ASSIGNED_CONTEXT\(\(([#\d,]*)\)")
-_REPRESENTATION = re.compile(
-    r"(?<!PRESENTATION_)REPRESENTATION\('(?:[^']|'')*',\(([#\d,]*)\),#(\d+)\)"
-)
-_SPLINE = re.compile(
-    r"(?:B_SPLINE_CURVE(?:_WITH_KNOTS)?|BEZIER_CURVE)\((?:'[^']*',)?\d+,\(([#\d,]*)\)"
-)
+# in bodies without strings
+_REPRESENTATION = re.compile(r"(?<!PRESENTATION_)REPRESENTATION\(,\(([#\d,]*)\),#(\d+)\)")
+_SPLINE = re.compile(r"(?:B_SPLINE_CURVE(?:_WITH_KNOTS)?|BEZIER_CURVE)\(,?\d+,\(([#\d,]*)\)")
 _PREFIXES = {
     "": (1000.0, "m"), "MILLI": (1.0, "mm"), "CENTI": (10.0, "cm"), "DECI": (100.0, "dm"),
     "MICRO": (1e-3, "um"), "NANO": (1e-6, "nm"), "PICO": (1e-9, "pm"), "DECA": (1e4, "dam"),
@@ -68,7 +65,7 @@ class StepText:
         """The contexts of representations with faces; all if there are none."""
         used = [
             int(found[2])
-            for found in map(_REPRESENTATION.search, self._entities.values())
+            for found in map(_REPRESENTATION.search, map(without_strings, self._entities.values()))
             if found and any(faces_of(self._entities, item) for item in references(found[1]))
         ]
         return [self._entities[number] for number in used] or list(self._entities.values())
@@ -88,7 +85,7 @@ class StepText:
             return Unit(name, millimetres)
         converted = re.search(r"CONVERSION_BASED_UNIT\('([^']*)',#(\d+)\)", body)
         measure = self._entities[int(converted[2])] if converted else ""
-        amount = re.search(r"LENGTH_MEASURE\(([^)]*)\)\)?,#(\d+)", measure)
+        amount = re.search(r"LENGTH_MEASURE\(([^)]*)\)\)?,#(\d+)", without_strings(measure))
         base = self._unit_of(int(amount[2])) if amount and int(amount[2]) != reference else None
         if converted is None or amount is None or base is None:
             return None
@@ -136,7 +133,7 @@ class StepText:
             return self._middle(references(body)[0], start, end, forward)
         if body.startswith(("CIRCLE", "ELLIPSE")):
             return self._arc_middle(body, start, end, forward)
-        spline = _SPLINE.search(body)
+        spline = _SPLINE.search(without_strings(body))
         if spline:
             return np.mean([self._point(point) for point in references(spline[1])], axis=0)
         return 0.5 * (start + end)

@@ -12,7 +12,9 @@ from math import prod
 from cadbem.cad.text.spline_checks import check_knots, check_weights
 
 SECTIONS = "SGDPT"
-_NUMBER = re.compile(r"[+-]?(?:\d+\.?\d*|\.\d+)(?:[EeDd][+-]?\d+)?")
+_NUMBER = re.compile(r"[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[EeDd][+-]?\d++)?")
+_STRING = re.compile(r" *+(\d{1,9}+)H")
+_SPACES = re.compile(r"\s*+")
 _CURVE, _SURFACE = 126, 128
 
 
@@ -74,18 +76,19 @@ def words(text: str, separator: str, end: str) -> list[str]:
     """Parameters up to the end of the record; strings (`5Habc,d`) may hold separators and come with
     an apostrophe before them."""
     found, position = [], 0
+    before = re.compile(rf"[^{re.escape(separator + end)}]*+")
     while position < len(text):
-        string = re.compile(r" *(\d+)H").match(text, position)
+        string = _STRING.match(text, position)
         if string:
             stop = string.end() + int(string[1])
-            word, position = "'" + text[string.end() : stop], stop
+            word, position = "'" + text[string.end() : stop], min(stop, len(text))
+            position += len(_SPACES.match(text, position)[0])  # type: ignore[index]
         else:
-            stop = min((i for c in (separator, end) if (i := text.find(c, position)) >= 0),
-                       default=len(text))  # fmt: skip
-            word, position = text[position:stop].strip(), stop
+            plain = before.match(text, position)
+            assert plain is not None
+            word, position = plain[0].strip(), plain.end()
         found.append(word)
-        rest = text[position:].lstrip() if string else text[position:]
-        if not rest or rest[0] == end:
+        if text[position : position + 1] == end:
             break
-        position = len(text) - len(rest) + 1
+        position += 1
     return found

@@ -6,14 +6,17 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from cadbem.errors import CadError
+from cadbem.errors import CadError, printable
 
 ENDINGS = {".step": "step", ".stp": "step", ".igs": "iges", ".iges": "iges"}
 _FORMATS = {"step": "STEP", "iges": "IGES"}
 _NOT_A_NUMBER = re.compile(
-    r"(?<=[(,=\s])[+-]?(?:nan|inf|infinity|\d*\.#\w+)(?:\(\w+\))?(?=\s*[,;)])", re.IGNORECASE
+    r"(?<=[(,=\s])[+-]?(?:nan|inf|infinity|\d*+\.#\w++)(?:\(\w++\))?(?=\s*+[,;)])", re.IGNORECASE
 )
-_HUGE = re.compile(r"[\d.][eEdD]\+?(\d{3,})")
+# from 1e100, whose cubes are no floats any more, and from 100 digits
+_HUGE = re.compile(r"(?<![\d.])[\d.]++(?:(?<=[\d.]{100})|[eEdD]\+?0*+[1-9]\d{2,})")
+MOST_BYTES = 2**28
+_START = re.compile(r"\s*+(?>/\*.*?\*/\s*+)*+ISO-10303-21\s*+;", re.DOTALL)
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,7 @@ def read_source(path: str | Path) -> CadSource:
     that is not what the ending says, and numbers that are not finite.
     """
     path = Path(path)
-    name = path.name
+    name = printable(path.name)
     kind = ENDINGS.get(path.suffix.lower())
     if path.is_dir():
         raise CadError(f"{path}: this is a directory; give a STEP or IGES file")
@@ -51,6 +54,8 @@ def read_source(path: str | Path) -> CadSource:
     if kind is None:
         raise CadError(f"{name}: unknown ending '{path.suffix}'; use .step, .stp, .iges or .igs")
     try:
+        if path.stat().st_size > MOST_BYTES:
+            raise CadError(f"{name}: a file above {MOST_BYTES >> 20} MB is not read; simplify it")
         data = path.read_bytes().removeprefix(b"\xef\xbb\xbf")
     except OSError as error:
         raise CadError(f"{path}: cannot be read ({error.strerror})") from None
@@ -79,7 +84,7 @@ def _check_content(source: CadSource) -> None:
 
 
 def _kind_of(text: str) -> str | None:
-    if re.match(r"\s*(/\*.*?\*/\s*)*ISO-10303-21\s*;", text, re.DOTALL):
+    if _START.match(text):
         return "step"
     first = text.split("\n", 1)[0].rstrip("\r")
     return "iges" if re.fullmatch(r".{72}[SG] *\d+ *", first) else None
@@ -95,12 +100,12 @@ def _check_numbers(source: CadSource) -> None:
     text = _without_labels(source)
     bad = _NOT_A_NUMBER.search(text)
     if bad is None:
-        bad = next((m for m in _HUGE.finditer(text) if int(m[1]) > 300), None)
+        bad = _HUGE.search(text)
     if bad is not None:
         line = text.count("\n", 0, bad.start()) + 1
         raise CadError(
-            f"{source.name}: '{bad[0].strip()}' near line {line} is not a finite number; "
-            "repair the model and export it again"
+            f"{source.name}: '{bad[0].strip()[:40]}' near line {line} is not a finite number "
+            "below 1e100; repair the model and export it again"
         )
 
 

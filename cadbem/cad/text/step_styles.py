@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import re
 
-from cadbem.cad.text.step_syntax import decoded, references
+from cadbem.cad.text.step_syntax import decoded, references, without_strings
 
 _LAYER = re.compile(r"PRESENTATION_LAYER_ASSIGNMENT\('((?:[^']|'')*)',(?:'(?:[^']|'')*'|\$),\(")
-_STYLED = re.compile(r"(OVER_RIDING_)?STYLED_ITEM\((?:'(?:[^']|'')*',)?\(([#\d,]*)\),#(\d+)")
+_STYLED = re.compile(r"(OVER_RIDING_)?STYLED_ITEM\(,?\(([#\d,]*)\),#(\d+)")  # without strings
 _RGB = re.compile(r"COLOUR_RGB\('(?:[^']|'')*',([^,]*),([^,]*),([^,)]*)\)")
 _PRE_DEFINED = re.compile(r"PRE_DEFINED_COLOUR\('([^']*)'\)")
 _STANDARD = {
@@ -62,7 +62,7 @@ def colours(entities: dict[int, str]) -> dict[int, str]:
     """Colours by number of face; one that overrides, or is of fewer faces, counts more."""
     found = []
     for body in entities.values():
-        style = _STYLED.search(body)
+        style = _STYLED.search(without_strings(body))
         colour = _colour(entities, references(style[2])) if style else ""
         if style and colour:
             found.append((faces_of(entities, int(style[3])), colour, bool(style[1])))

@@ -7,13 +7,17 @@ does not allow is refused here.
 from __future__ import annotations
 
 import re
+from collections.abc import Iterator
 from itertools import accumulate
 
 DEEPEST = 50  # brackets within brackets; the kernel's parser calls itself for each
-_BLANK = re.compile(r"('[^']*')|/\*.*?\*/|\s+", re.DOTALL)
-_STATEMENT = re.compile(r"((?:'[^']*'|[^';])*+);")
-_ENTITY = re.compile(r"#(\d+)=(.*)", re.DOTALL)
-_ATOM = r"(?:#\d+|[+-]?(?:\d+\.?\d*|\.\d+)(?:[Ee][+-]?\d+)?|\.\w+\.|(?:'[^']*')+|\"[^\"]*\"|\$|\*)"
+# Each pattern takes a time proportional to the length of the text, whatever that is: what may be
+# long is taken once (++, *+), and what has no end is taken to the end.
+_BLANK = re.compile(r"('[^']*')|/\*.*?(?:\*/|\Z)|\s+", re.DOTALL)
+_MARK = re.compile(r"'[^']*(?:'|\Z)|;")
+_ENTITY = re.compile(r"#(\d{1,18})=(.*)", re.DOTALL)
+_NUMBER = r"[+-]?(?:\d++(?:\.\d*+)?|\.\d++)(?:[Ee][+-]?\d++)?"
+_ATOM = rf"(?:#\d{{1,18}}+|{_NUMBER}|\.\w++\.|(?:'[^']*')++|\"[^\"]*\"|\$|\*)"
 _BODY = re.compile(
     rf"(?>(?:!?[A-Za-z_]\w*)?\((?!,)|{_ATOM}(?=[,)])|,(?![,)])|\)(?=[,)!A-Za-z_]|\Z))++"
 )
@@ -28,9 +32,8 @@ def entities(text: str) -> dict[int, str]:
     text = _BLANK.sub(lambda found: found[1] or "", text)
     found: dict[int, str] = {}
     inside, end, last = False, 0, ""
-    for statement in _STATEMENT.finditer(text):
-        words = statement[1]
-        end = statement.end()
+    for words, stop in _statements(text):
+        end = stop
         if words == "ENDSEC":
             inside = False
         elif words == "END-ISO-10303-21":
@@ -44,6 +47,20 @@ def entities(text: str) -> dict[int, str]:
             found[number] = body
             last = f"#{number}"
     raise ValueError(f"'{text[end : end + 30]}' has no end" if text[end:] else "no end")
+
+
+def _statements(text: str) -> Iterator[tuple[str, int]]:
+    """What stands before each semicolon outside of strings, and where it ends."""
+    start = 0
+    for mark in _MARK.finditer(text):
+        if mark[0] == ";":
+            yield text[start : mark.start()], mark.end()
+            start = mark.end()
+
+
+def without_strings(body: str) -> str:
+    """The body with nothing in the place of its strings."""
+    return re.sub(r"'[^']*'", "", body)
 
 
 def references(body: str) -> list[int]:
@@ -86,7 +103,7 @@ def _is_sound(body: str) -> bool:
         return False
     if body.count("(") == body.count(")") == 1:
         return body.endswith(")")
-    brackets = re.sub(r"[^()]", "", re.sub(r"'[^']*'", "", body))
+    brackets = re.sub(r"[^()]+", "", without_strings(body))
     depths = list(accumulate(1 if bracket == "(" else -1 for bracket in brackets))
     return depths[-1] == 0 and min(depths[:-1]) > 0 and max(depths) <= DEEPEST
 

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cadbem.errors import printable
+
 
 @dataclass(frozen=True)
 class Unit:
@@ -12,3 +14,6 @@ class Unit:
     name: str
     millimetres: float
     assumed: bool = False  # the file does not say
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "name", printable(self.name))

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from cadbem.errors import InputError
 from cadbem.kernels.kernel import Array, Kernel
 from cadbem.operators.compressed.coarse import two_level
 from cadbem.operators.compressed.compress import compress
@@ -68,10 +69,10 @@ def own_layers(
     kernel: Kernel, space: Space, quadrature: Rules, storage: Storage | None
 ) -> OwnLayers:
     """Both layers of a space at its own collocation points; without a ``storage``, in the one that
-    suits their number.  Raises ``ValueError`` for any other storage."""
+    suits their number.  Raises ``InputError`` for any other storage."""
     storage = storage_for(space.count) if storage is None else storage
     if not isinstance(storage, Storage):
-        raise ValueError(f"storage is {storage!r}; give Dense() or Compressed(tolerance)")
+        raise InputError(f"storage is {storage!r}; give Dense() or Compressed(tolerance)")
     if isinstance(storage, Compressed):
         return CompressedLayers(kernel, space, quadrature, storage.tolerance)
     return OwnLayers(kernel, space, quadrature)

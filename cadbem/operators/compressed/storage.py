@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from cadbem.checks import within
+
 DENSE_TO = 4000  # collocation points from which a compressed matrix is smaller and faster
 
 
@@ -26,8 +28,7 @@ class Compressed:
     tolerance: float = 1e-6
 
     def __post_init__(self) -> None:
-        if not 1e-12 <= self.tolerance <= 1e-2:
-            raise ValueError(f"Compressed({self.tolerance}): tolerances from 1e-12 to 1e-2")
+        within("Compressed's tolerance", self.tolerance, 1e-12, 1e-2)
 
 
 Storage = Dense | Compressed

@@ -19,6 +19,7 @@ from math import ceil, exp
 import numpy as np
 from scipy.linalg import pinv
 
+from cadbem.checks import within
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.kernels.stokes_sums import stokes_sums
 from cadbem.spline.basis import Array
@@ -162,10 +163,7 @@ class FarField:
     tolerance: float = 1e-6
 
     def __post_init__(self) -> None:
-        if not 1e-9 <= self.tolerance <= 1e-2:
-            raise ValueError(
-                f"FarField({self.tolerance}): tolerances from 1e-9 to 1e-2 are possible"
-            )
+        within("FarField's tolerance", self.tolerance, 1e-9, 1e-2)
 
     def expansions(self, dimension: int) -> tuple[Expansion, ...]:
         """From the finest, which holds from the nearest distance on, to the coarsest."""

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from cadbem.checks import positive, shaped
 from cadbem.errors import CadbemError
 from cadbem.post.bodies.bodies import body_surface, density
 from cadbem.post.bodies.droplets import tessellated_droplet
@@ -57,7 +58,7 @@ class Colouring:
             others = f"there are: {', '.join(known)}" if known else "give the frames fields"
             raise CadbemError(f"no body has a field '{name}' to be coloured by; {others}")
         low, high = np.array(found).T
-        ends = colour_limits(low.min(), high.max()) if limits is None else limits
+        ends = colour_limits(low.min(), high.max()) if limits is None else _checked(limits)
         return Colouring(name, ends, quantity_label(name, unit, units))
 
     def surface(self, frame: Frame, number: int) -> Any:
@@ -120,3 +121,9 @@ def _lengths(values: Array) -> Array:
     if values.ndim == 1:
         return values
     return values[0] if len(values) == 1 else np.linalg.norm(values, axis=0)
+
+
+def _checked(limits: tuple[float, float]) -> tuple[float, float]:
+    low, high = shaped("limits", limits, 2)
+    positive("the difference of the limits", high - low)
+    return float(low), float(high)

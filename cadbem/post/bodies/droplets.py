@@ -16,7 +16,16 @@ from cadbem.post.fields.body_fields import BodyField, control_values
 from cadbem.post.files.export import prepared, write_vtu
 from cadbem.post.scene.glass import add_lines, lifted
 from cadbem.post.style.display import load_pyvista
-from cadbem.post.style.layout import Size, add_axes, aim, flow_views, panel, sheet, strip
+from cadbem.post.style.layout import (
+    Size,
+    add_axes,
+    aim,
+    check_size,
+    flow_views,
+    panel,
+    sheet,
+    strip,
+)
 from cadbem.post.style.style import (
     INK,
     PALETTE,
@@ -52,6 +61,7 @@ def draw_droplets(
     each surface, called ``label``.  ``mesh`` draws the knot lines, ``points`` the collocation
     points.  Raises ``ShapeError`` for plane curves, ``DisplayError`` where nothing can be drawn.
     """
+    check_size(size)
     given = [None] * len(splines) if fields is None else fields
     surfaces = [tessellated_droplet(s, f) for s, f in zip(splines, given, strict=True)]
     extent = np.concatenate([s.points for s in surfaces]).T

@@ -10,13 +10,14 @@ import numpy as np
 from PIL import Image
 
 from cadbem.boundary import Boundary
+from cadbem.checks import whole
 from cadbem.post.bodies.colouring import Colouring
 from cadbem.post.bodies.plane_scenes import plane_camera, plane_still
 from cadbem.post.bodies.scenes import Scene, camera, still
 from cadbem.post.fields.frames import Frame, Shape, require_frames, time_labels
 from cadbem.post.files.encode import Shots, encoder
 from cadbem.post.files.export import prepared
-from cadbem.post.style.layout import Size
+from cadbem.post.style.layout import Size, check_size
 from cadbem.spline.basis import Array
 from cadbem.units import UnitNames
 
@@ -45,6 +46,7 @@ def draw_scene(
     Raises ``CadbemError`` when there is nothing to draw or no such field, ``ShapeError`` for two
     dimensions at once, ``DisplayError`` where nothing can be drawn.
     """
+    check_size(size)
     frame = Frame(0.0, shapes, fields or {})
     plane = require_frames(channel, [frame]) == 2
     colouring = Colouring.of([frame], colour, _unit(channel), units, limits)
@@ -73,6 +75,7 @@ def draw_movie(
     Raises as ``draw_scene`` does, and ``CadbemError`` for other endings and where there is no
     encoder for MP4.
     """
+    check_size(size)
     target = Path(path)
     write = encoder(target)
     plane = require_frames(channel, frames) == 2
@@ -106,6 +109,8 @@ def filmstrip(
     Other arguments are those of ``draw_movie``, and colours' limits hold for all frames, drawn or
     not.  Raises as ``draw_scene`` does.
     """
+    check_size(size)
+    whole("count", count)
     plane = require_frames(channel, frames) == 2
     colouring = Colouring.of(frames, colour, _unit(channel), units, limits)
     chosen = np.linspace(0, len(frames) - 1, min(count, len(frames))).round().astype(int)

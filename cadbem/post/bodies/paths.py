@@ -24,6 +24,7 @@ from cadbem.post.style.layout import (
     View,
     add_axes,
     aim,
+    check_size,
     corner_view,
     panel,
     plan_view,
@@ -69,6 +70,7 @@ def draw_paths(
     colour of its own.  Points that are not finite are left out.  Raises ``ShapeError`` without
     paths, for paths and channel in different dimensions, and for values not as many as points.
     """
+    check_size(size)
     extent, tracks, scalars = _checked(channel, paths, values)
     look = _Look.of(channel, scalars, label, units)
     if len(extent) == 2:

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.checks import shaped
 from cadbem.errors import ShapeError
 from cadbem.post.bodies.bodies import LEGIBLE, body_colour
 from cadbem.post.files.export import prepared
@@ -34,6 +35,7 @@ def draw_series(
     units of time and of quantities that have a name of their own, such as "speed" or "pressure".
     Raises ``ShapeError`` when values are not as many as times.
     """
+    shaped("times", times, None)
     from matplotlib.figure import Figure
 
     moments = np.asarray(times, dtype=float)

@@ -14,7 +14,7 @@ from cadbem.post.bodies.bodies import body_colour
 from cadbem.post.fields.frames import spread_points
 from cadbem.post.files.export import prepared
 from cadbem.post.plane.plane import add_legend, add_plan, add_plane_channel, plane_figure
-from cadbem.post.style.layout import Size, axes_by_length
+from cadbem.post.style.layout import Size, axes_by_length, check_size
 from cadbem.post.style.style import BACKGROUND, length_unit
 from cadbem.spline.basis import Array
 from cadbem.units import UnitNames
@@ -35,6 +35,7 @@ def draw_trajectories(
     largest one, in pixels.  Raises ``CadbemError`` when there is no path, ``ShapeError`` when
     paths and channel are not in the same dimension.
     """
+    check_size(size)
     paths = {label: np.asarray(track, dtype=float) for label, track in tracks.items()}
     extent = extent_of_paths(channel, list(paths.values()))
     widest = extent if channel is None else spread_points(channel)

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial import cKDTree
 
+from cadbem.checks import positive, whole
 from cadbem.post.fields.cells import PatchField, tessellated
 from cadbem.post.style.display import load_pyvista
-from cadbem.post.style.layout import Size, add_axes, aim, panel, plan_view, sheet, strip
+from cadbem.post.style.layout import Size, add_axes, aim, check_size, panel, plan_view, sheet, strip
 from cadbem.post.style.style import (
     COLOUR_MAP,
     INK,
@@ -58,6 +59,9 @@ def draw_around(
     The plane goes ``reach`` times the bodies' greatest length beyond them on all sides, with
     ``resolution`` points along it; lines of equal speed are a tenth of its range apart.
     """
+    check_size(size)
+    positive("reach", reach)
+    whole("resolution", resolution, 2)
     boundary = solution.space.boundary
     bodies = tessellated(boundary, fields={"velocity": solution.velocity})
     extent = np.array(bodies.points.T)

@@ -23,6 +23,7 @@ from cadbem.post.style.layout import (
     add_axes,
     aim,
     back_view,
+    check_size,
     corner_view,
     panel,
     plan_view,
@@ -77,6 +78,7 @@ def draw_boundary(
     Those without patches are drawn by ``skins``, triangles (M, 3 corners, 3) by number, or by
     their polylines alone.  Raises ``DisplayError`` where pictures cannot be drawn.
     """
+    check_size(size)
     if boundary.patches and boundary.dimension == 2:
         return draw_plane_boundary(boundary, path, size)
     surface = _surface(boundary, skins or {})
@@ -106,6 +108,7 @@ def draw_collocation(
     space: CollocatedSpace, path: str | Path, *, size: Size = (1800, 1200)
 ) -> Path:
     """Picture of the elements on the boundary and of the collocation points on them."""
+    check_size(size)
     pyvista = load_pyvista()
     boundary = space.boundary
     surface = tessellated(boundary, density=4)

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.checks import whole
 from cadbem.errors import ShapeError
 from cadbem.points import surface_points
 from cadbem.post.fields.sampling import FlowSolution, sample_flow
@@ -21,6 +22,7 @@ from cadbem.post.style.layout import (
     add_axes,
     aim,
     axes_by_length,
+    check_size,
     corner_view,
     panel,
     plan_view,
@@ -58,6 +60,8 @@ def draw_slices(
 
     ``grid`` is a ``volume_grid``; its mesh must be fine enough for the colours to be smooth.
     """
+    check_size(size)
+    whole("sections", sections)
     extent = grid.points.T
     middle, shortest = axes_by_length(extent)[1:]
     flat = [_plane(grid, shortest, 0.5)]
@@ -87,6 +91,8 @@ def draw_flow(
     (``length``, ``time``, ``pressure``).  Raises ``ShapeError`` for a flow that no channel
     encloses, ``DisplayError`` where pictures cannot be drawn.
     """
+    check_size(size)
+    whole("points", points)
     boundary = solution.space.boundary
     if boundary.volume() <= 0:
         raise ShapeError("there is no channel around this flow: draw it by draw_around")
@@ -148,6 +154,8 @@ def draw_streamlines(
     """Picture of about ``lines`` streamlines from the openings where fluid enters, in a
     transparent channel, coloured by speed; ``grid`` is a ``volume_grid``.
     """
+    check_size(size)
+    whole("lines", lines)
     view = corner_view(grid.points.T)
     shown = [(view, "speed", [_tubes(grid, boundary, lines)])]
     _draw_panels(path, grid, boundary, shown, units, size)

@@ -18,6 +18,7 @@ from cadbem.post.style.layout import (
     add_axes,
     aim,
     back_view,
+    check_size,
     corner_view,
     panel,
     sheet,
@@ -79,6 +80,7 @@ def draw_traction(
     labels (``length``, ``time``, ``pressure``).  Raises ``SelectionError`` when nothing is a wall,
     ``DisplayError`` where pictures cannot be drawn.
     """
+    check_size(size)
     boundary = solution.space.boundary
     surface = tessellated(boundary, 6, {"traction": solution.traction}, _walls(solution))
     _add_stresses(surface)

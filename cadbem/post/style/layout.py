@@ -10,12 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from cadbem.checks import whole
+from cadbem.errors import InputError
 from cadbem.post.files.export import prepared
 from cadbem.post.style.display import load_pyvista
 from cadbem.post.style.style import BACKGROUND, INK
 from cadbem.spline.basis import Array
 
 Size = tuple[int, int]
+LEAST, MOST = 16, 32768  # pixels along a side of a picture
 STRIP = 0.12  # height of the strip for legends, as a part of the sheet
 
 
@@ -98,6 +101,14 @@ def aim(plotter: Any, view: View, points: Array, margins: tuple[float, float] = 
     plotter.enable_parallel_projection()
     plotter.camera.parallel_scale = 0.5 * height
     plotter.renderer.reset_camera_clipping_range()
+
+
+def check_size(size: Size) -> None:
+    """Raises ``InputError`` unless a picture's size is width and height in pixels."""
+    if np.shape(size) != (2,):
+        raise InputError(f"size is {size!r}; give width and height in pixels")
+    for length in size:
+        whole("size", length, LEAST, MOST)
 
 
 def arrangement(count: int, aspect: float, size: Size) -> tuple[int, int]:

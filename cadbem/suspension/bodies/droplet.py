@@ -7,6 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
+from cadbem.checks import instance, positive
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.closed.field import OffSurface, even_sources
@@ -41,10 +42,11 @@ class Droplet:
     viscosity_ratio: float = 1.0
 
     def __post_init__(self) -> None:
-        if not (self.viscosity_ratio > 0 and np.isfinite(self.viscosity_ratio)):
-            raise ShapeError(
-                f"viscosity_ratio {self.viscosity_ratio}: give inner over outer viscosity, above 0"
-            )
+        positive("viscosity_ratio (inner over outer)", self.viscosity_ratio)
+        instance("shape", self.shape, ClosedSpline, "a closed spline, as from spline_sphere")
+        found, wanted = self.shape.coefficients.shape, (self.dimension, *self.shape.basis.shape)
+        if found != wanted:
+            raise ShapeError(f"the shape's coefficients have shape {found}; give {wanted}")
         if not np.isfinite(self.shape.coefficients).all():
             raise ShapeError("the droplet's shape has coefficients that are not finite numbers")
 

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
+from cadbem.checks import instance, shaped, turning, vector
 from cadbem.elements.pieces import Pieces
 from cadbem.operators.far.equivalent import Sources
 from cadbem.operators.interactions import Targets
@@ -57,6 +58,12 @@ class RigidParticle:
     pieces: Pieces | None = None
 
     def __post_init__(self) -> None:
+        instance("shape", self.shape, Boundary, "a Boundary of the particle's surface")
+        dimension = self.dimension
+        if self.position is not None:
+            shaped("position", self.position, dimension)
+        vector("force", self.force, dimension)
+        turning("torque", self.torque, dimension)
         resistance(self.shape, self.quadrature)
 
     __repr__ = particle_text

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
+from cadbem.checks import direction, positive, shaped
 from cadbem.errors import ShapeError
 from cadbem.problems.enclosure import Enclosure
 from cadbem.spline.basis import Array
@@ -50,12 +51,17 @@ def plug(
     the fluid; UnitsError for quantities of other dimensions.
     """
     check("at and film", (at, 0.0 if film is None else film), "length")
+    positive("volume", volume)
+    if film is not None:
+        positive("film", film)
     boundary = channel.problem.boundary if isinstance(channel, ChannelFlow) else channel
-    enclosure, place = Enclosure(boundary), np.asarray(at, dtype=float)
-    if place.shape != (boundary.dimension,) or not enclosure.inside(place[:, None])[0]:
+    enclosure, place = Enclosure(boundary), shaped("at", at, boundary.dimension)
+    if not enclosure.inside(place[:, None])[0]:
         raise ShapeError(f"at={place.tolist()}: give a point in the channel's fluid")
-    axis = channel_axis(enclosure, place) if along is None else np.asarray(along, dtype=float)
-    section = section_at(enclosure, place, axis / np.linalg.norm(axis))
+    axis = channel_axis(enclosure, place)
+    if along is not None:
+        axis = direction("along", along, boundary.dimension)
+    section = section_at(enclosure, place, axis)
     thickness = _thickness(section, film)
     shape = _shape(section.inside(thickness), float(volume))
     room = enclosure.clearance(shape.evaluate(shape.basis.refined(2).parameters())).distance

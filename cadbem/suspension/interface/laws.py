@@ -14,6 +14,7 @@ from typing import Protocol
 
 import numpy as np
 
+from cadbem.checks import not_negative, positive
 from cadbem.closed_points import ClosedPoints
 from cadbem.operators.closed.layers import ClosedLayers
 from cadbem.spline.basis import Array
@@ -47,6 +48,7 @@ class SurfaceTension:
 
     def __post_init__(self) -> None:
         check("tension", self.tension, "tension")
+        not_negative("tension", self.tension)
 
     def jump(self, points: ClosedPoints) -> Array:
         """Δf (dim, N)."""
@@ -70,12 +72,12 @@ class SurfaceTension:
 def capillary_tension(capillary: float) -> SurfaceTension:
     """Tension where lengths are in radii, times in inverse shear rates, and the outer viscosity
     is 1: γ = 1 / Ca with Ca = μ × rate × R / γ."""
-    return SurfaceTension(1.0 / capillary)
+    return SurfaceTension(1.0 / positive("capillary", capillary))
 
 
 def thesis_tension_2d(capillary: float) -> SurfaceTension:
     """Tension of the thesis's 2D droplets, Δf = (2 / Ca) c n (Eq. 3.3): its Ca is twice ours."""
-    return SurfaceTension(2.0 / capillary)
+    return SurfaceTension(2.0 / positive("capillary", capillary))
 
 
 @dataclass(frozen=True)
@@ -90,6 +92,9 @@ class Bending:
     """
 
     rigidity: float
+
+    def __post_init__(self) -> None:
+        not_negative("rigidity", self.rigidity)
 
     def close(
         self, layers: ClosedLayers, velocity_response: VelocityResponse

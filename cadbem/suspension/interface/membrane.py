@@ -33,6 +33,7 @@ import numpy as np
 from scipy.sparse.linalg import LinearOperator, gmres
 from scipy.special import lpmv
 
+from cadbem.checks import not_negative, positive
 from cadbem.closed_points import ClosedPoints
 from cadbem.errors import ConditionError
 from cadbem.operators.closed.layers import ClosedLayers
@@ -57,6 +58,10 @@ class InextensibleMembrane:
 
     rigidity: float = 0.0
     tension: float = 1.0
+
+    def __post_init__(self) -> None:
+        not_negative("rigidity", self.rigidity)
+        positive("tension", self.tension)
 
     def close(
         self, layers: ClosedLayers, velocity_response: VelocityResponse

@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cadbem.checks import not_negative, positive, whole
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline, unit_measure
@@ -77,6 +78,13 @@ class RelaxMesh:
     curved: float = 2e-4
     steps: int = 1
     pseudo_step: float = 1.0
+
+    def __post_init__(self) -> None:
+        not_negative("RelaxMesh's even", self.even)
+        not_negative("RelaxMesh's curved", self.curved)
+        whole("RelaxMesh's steps", self.steps)
+        positive("RelaxMesh's pseudo_step", self.pseudo_step)
+        positive("the sum of RelaxMesh's even and curved", self.even + self.curved)
 
     def relaxed(self, spline: ClosedSpline, viscosity_ratio: float = 1.0) -> ClosedSpline:
         """The same shape with its points moved."""

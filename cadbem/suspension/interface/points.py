@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cadbem.errors import ShapeError
+from cadbem.checks import whole, within
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedBasis, ClosedSpline
 from cadbem.spline.closed_layout import laid_out, longest_axis, relaid
@@ -20,6 +20,7 @@ ENOUGH = 1.05  # times as many points are more points
 TOLERATED = 10.0  # times the length that is allowed, when there cannot be more points
 WORST = 1e3  # times the error of the shape, that an error of the motion counts at most
 WORTH = 0.8  # of the points that the poles as they are would take: then they are moved
+MOST_DEGREE = 10
 FEWEST = {2: (16,), 3: (8, 12)}  # points in each direction, by dimension
 
 
@@ -29,7 +30,7 @@ class AdaptivePoints:
     a share ``accuracy`` of its size, and of the gap beside it, asks for.
 
     ``most`` is the largest number of points, ``degree`` the least degree of splines that are laid
-    out anew.  Raises ShapeError for an accuracy that is not between 1e-8 and 0.1.
+    out anew.  Raises InputError for an accuracy that is not between 1e-8 and 0.1.
     """
 
     accuracy: float = 1e-3
@@ -37,8 +38,9 @@ class AdaptivePoints:
     degree: int = 6
 
     def __post_init__(self) -> None:
-        if not 1e-8 <= self.accuracy <= 0.1:
-            raise ShapeError(f"accuracy={self.accuracy}: give a share of size from 1e-8 to 0.1")
+        within("AdaptivePoints' accuracy", self.accuracy, 1e-8, 0.1)
+        whole("AdaptivePoints' most", self.most)
+        whole("AdaptivePoints' degree", self.degree, 2, MOST_DEGREE)
 
     def allowed(self, size: float, gap: float) -> float:
         """By how much a surface of a ``size`` and with a ``gap`` may be wrong: a length."""

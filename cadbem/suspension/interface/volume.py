@@ -12,6 +12,7 @@ from functools import lru_cache
 
 import numpy as np
 
+from cadbem.checks import within
 from cadbem.closed_points import ClosedGrid
 from cadbem.errors import ShapeError
 from cadbem.points import area_vector
@@ -124,6 +125,9 @@ class CorrectVolume:
 
     trigger: float = 0.0
     nearest: Callable[[ClosedSpline, float], ClosedSpline] = nearest_with_volume
+
+    def __post_init__(self) -> None:
+        within("CorrectVolume's trigger", self.trigger, 0.0, 1.0)
 
     def apply(self, spline: ClosedSpline, target: float) -> ClosedSpline:
         """The corrected spline, or the same one.

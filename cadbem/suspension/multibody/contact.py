@@ -13,6 +13,7 @@ from typing import Protocol
 
 import numpy as np
 
+from cadbem.checks import positive
 from cadbem.errors import ConditionError
 from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.body import ContactPressure, Placed
@@ -73,6 +74,9 @@ class StopAtGap:
 
     reach = 0.0
 
+    def __post_init__(self) -> None:
+        positive("StopAtGap's share", self.share)
+
     def reason(self, gap: Gap) -> str:
         """Why a run cannot go on, or an empty text."""
         if gap.share >= self.share:
@@ -100,6 +104,9 @@ class StopAtError:
     share: float = 0.3
 
     reach = 0.0
+
+    def __post_init__(self) -> None:
+        positive("StopAtError's share", self.share)
 
     def reason(self, gap: Gap) -> str:
         """Why a run cannot go on, or an empty text."""
@@ -130,6 +137,10 @@ class Repel:
 
     reach: float
     strength: float
+
+    def __post_init__(self) -> None:
+        positive("Repel's reach", self.reach)
+        positive("Repel's strength", self.strength)
 
     def reason(self, gap: Gap) -> str:
         """An empty text: the pressure keeps the surfaces apart."""

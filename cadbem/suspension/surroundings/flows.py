@@ -14,6 +14,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import ArrayLike
 
+from cadbem.checks import finite, one_of, positive, shaped, vector
 from cadbem.errors import ConditionError
 from cadbem.spline.basis import Array
 
@@ -89,20 +90,23 @@ class PolynomialFlow:
 
 def linear_flow(rates: ArrayLike, about: ArrayLike = 0.0, drift: ArrayLike = 0.0) -> PolynomialFlow:
     """u = drift + rates (x - about); rates (dim, dim) without trace."""
-    matrix = np.array(rates, dtype=float)
-    dim = len(matrix)
-    vectors = [np.array(v, dtype=float) for v in (drift, about)]
-    start, middle = [v if v.ndim else np.full(dim, float(v)) for v in vectors]
+    matrix = shaped("rates", rates, None, None)
+    dim = one_of("the number of rows of rates", len(matrix), (2, 3))
+    shaped("rates", rates, dim, dim)
+    start, middle = vector("drift", drift, dim), vector("about", about, dim)
     return PolynomialFlow(start, matrix, np.zeros((dim,) * 3), middle)
 
 
 def at_rest(dimension: int = 3) -> PolynomialFlow:
     """No flow."""
+    one_of("dimension", dimension, (2, 3))
     return linear_flow(np.zeros((dimension, dimension)))
 
 
 def shear(rate: float = 1.0, dimension: int = 3) -> PolynomialFlow:
     """u_x = rate z in space, rate y in a plane."""
+    one_of("dimension", dimension, (2, 3))
+    finite("rate", rate)
     rates = np.zeros((dimension, dimension))
     rates[0, -1] = rate
     return linear_flow(rates)
@@ -110,6 +114,8 @@ def shear(rate: float = 1.0, dimension: int = 3) -> PolynomialFlow:
 
 def plane_extension(rate: float = 1.0, dimension: int = 3) -> PolynomialFlow:
     """Stretched along x, squeezed along the last coordinate, each at ``rate``."""
+    one_of("dimension", dimension, (2, 3))
+    finite("rate", rate)
     rates = np.zeros((dimension, dimension))
     rates[0, 0], rates[-1, -1] = rate, -rate
     return linear_flow(rates)
@@ -117,16 +123,22 @@ def plane_extension(rate: float = 1.0, dimension: int = 3) -> PolynomialFlow:
 
 def uniaxial_extension(rate: float = 1.0) -> PolynomialFlow:
     """Stretched along x at ``rate``, squeezed from all sides at half of it (Eq. 4.8, V / R)."""
+    finite("rate", rate)
     return linear_flow(rate * np.diag([1.0, -0.5, -0.5]))
 
 
 def plane_poiseuille(peak: float, half_width: float, dimension: int = 3) -> PolynomialFlow:
     """u_x = peak (1 - s² / half_width²), s = z in space and y in a plane."""
+    one_of("dimension", dimension, (2, 3))
+    finite("peak", peak)
+    positive("half_width", half_width)
     return _poiseuille(peak, half_width, np.eye(dimension)[-1])
 
 
 def pipe_poiseuille(peak: float, radius: float) -> PolynomialFlow:
     """u_x = peak (1 - (y² + z²) / radius²)."""
+    finite("peak", peak)
+    positive("radius", radius)
     return _poiseuille(peak, radius, np.array([0.0, 1.0, 1.0]))
 
 

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cadbem.errors import ConditionError
+from cadbem.checks import positive
 from cadbem.spline.basis import Array
 from cadbem.suspension.surroundings.flows import BackgroundFlow
 from cadbem.suspension.surroundings.surroundings import Nearest
+from cadbem.units import check
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,8 +25,8 @@ class FreeFlow:
     deflated: bool = True
 
     def __post_init__(self) -> None:
-        if not self.viscosity > 0:
-            raise ConditionError(f"viscosity {self.viscosity}: give a positive number")
+        check("viscosity", self.viscosity, "viscosity")
+        positive("viscosity", self.viscosity)
 
     @property
     def accuracy(self) -> float:

@@ -3,16 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
-import numpy as np
-
-from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.far.equivalent import FarField
 from cadbem.progress import progress
 from cadbem.quadrature.closed import PolarRule, SelfRule
-from cadbem.spline.basis import Array
 from cadbem.suspension.bodies.accurate import accurate_body
 from cadbem.suspension.bodies.body import Body
 from cadbem.suspension.bodies.droplet import Droplet
@@ -24,24 +20,19 @@ from cadbem.suspension.multibody.contact import Contact, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
-from cadbem.suspension.time.adapting import adapted_state, finer_state, with_elements
+from cadbem.suspension.time.adapting import with_elements
 from cadbem.suspension.time.checkpoint import (
     Checkpoint,
-    coordinates,
-    coordinates_between,
-    ends,
-    moved,
 )
 from cadbem.suspension.time.choices import Choices, choices
-from cadbem.suspension.time.limits import bounded, leaving, longest_step, output_times, too_far
+from cadbem.suspension.time.limits import (
+    check_times,
+    output_times,
+)
+from cadbem.suspension.time.march import March
 from cadbem.suspension.time.overview import simulation_overview
-from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
-from cadbem.suspension.time.stepping import Errors, Lengths, Step, Stepper
-from cadbem.units import check
-
-SMALLEST_STEP = 1e-7  # share of the run below which a step has failed
-FIRST_MOVES = 10.0  # the first step is a share of the time in which a body moves by its size
+from cadbem.suspension.time.stepping import Stepper
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,62 +117,24 @@ class Simulation:
 
         From that, as ``since``, another call goes on as if there had been no pause.
         """
-        check("end and every", (end, every), "time")
-        if not 0 < end < np.inf or every is not None and not every > 0:
-            raise ShapeError(f"run(end={end}, every={every}): times must be positive")
+        check_times(end, every)
         if since is None:
             check_start(self.environment.flow, self.start.placed, self.start.numbers)
-            start = self._first_state()
-            slope = self.slope(start)
-            rate = self._first_rate(start, slope)
-            since = Checkpoint(start, slope, self.choices.stepper.first_lengths(rate))
-            yield [start], since
+            since = self.march.beginning(self._first_state())
+            yield [since.state], since
         now = since.state.time
         wanted = [time for time in output_times(end, every) if time > now * (1 + 1e-12)]
         with progress(label="time", total=end, initial=now) as bar:
-            for before, after in self._march(since, end):
+            for before, after in self.march.to(since, end):
                 state, kept = after.state, []
                 bar.update(max(state.time - bar.n, 0.0))
                 while wanted and wanted[0] < state.time * (1 - 1e-12):
-                    kept.append(self._between(before, after, wanted.pop(0)))
+                    kept.append(self.march.between(before, after, wanted.pop(0)))
                 due = bool(wanted) and wanted[0] <= state.time * (1 + 1e-12)
                 if every is None or state.stopped or due:
                     wanted = wanted[1:]
                     kept.append(state)
                 yield kept, after
-
-    def _march(self, checkpoint: Checkpoint, end: float) -> Iterator[tuple[Checkpoint, Checkpoint]]:
-        """Accepted steps up to ``end``, or to the last sound shapes."""
-        while not checkpoint.state.stopped and checkpoint.state.time < end * (1 - 1e-12):
-            checkpoint = after = self._adapted(self._without_left(checkpoint))
-            if not checkpoint.state.stopped:
-                after = self._step_to(checkpoint, end)
-            points = self.choices.points
-            while after.state.steps == checkpoint.state.steps and points is not None:
-                finer = self._moved_to(checkpoint, finer_state(checkpoint.state, points))
-                if finer is checkpoint:
-                    break
-                checkpoint, after = finer, self._step_to(finer, end)
-            yield checkpoint, after
-            checkpoint = after
-
-    def _step_to(self, checkpoint: Checkpoint, end: float) -> Checkpoint:
-        """The next accepted checkpoint, not after ``end``."""
-        return self._step(checkpoint, end - checkpoint.state.time, SMALLEST_STEP * end)
-
-    def _adapted(self, checkpoint: Checkpoint) -> Checkpoint:
-        """The checkpoint with the points and elements that its bodies need: the same one if they
-        have them."""
-        points, elements = self.choices.points, self.choices.elements
-        if points is not None:
-            starts = [start for _, start in self._with_starts(checkpoint.state)]
-            checkpoint = self._moved_to(checkpoint, adapted_state(checkpoint, starts, points))
-        if elements is None or checkpoint.state.stopped:
-            return checkpoint
-        state = with_elements(checkpoint.state, checkpoint.slope, elements)
-        if state is checkpoint.state:
-            return checkpoint
-        return replace(checkpoint, state=state, slope=self.slope(state))
 
     def _first_state(self) -> State:
         """The state at time 0, with elements that suit its bodies."""
@@ -189,146 +142,8 @@ class Simulation:
             return self.start
         return with_elements(self.start, None, self.choices.elements)
 
-    def _moved_to(self, checkpoint: Checkpoint, state: State) -> Checkpoint:
-        """The checkpoint with another state at the same time."""
-        if state is checkpoint.state:
-            return checkpoint
-        if state.stopped:
-            return replace(checkpoint, state=state)
-        state = self._repaired(state, None)
-        return replace(checkpoint, state=state, slope=self.slope(state))
-
-    def _step(self, checkpoint: Checkpoint, longest: float, smallest: float) -> Checkpoint:
-        """The next accepted checkpoint."""
-        state, largest = checkpoint.state, self.fastest(checkpoint.state)
-        relaxation = self._relaxation(state)
-        lengths = bounded(checkpoint, relaxation.known)
-        longest = min(longest, longest_step(checkpoint))
-        evaluations = state.evaluations
-        while True:
-            implicit, length = self.choices.stepper.choose(lengths, longest, largest)
-            if length <= smallest:
-                break
-            rate, relaxing = _Rate(self, state, state.guess), relaxation.damping
-            try:
-                step = self.choices.stepper.attempt(
-                    rate, coordinates(state), checkpoint.slope, length, largest,
-                    relaxing if implicit else None,
-                )  # fmt: skip
-                evaluations += step.evaluations
-                errors = Errors(
-                    self._error(state, step.error), relaxation.error(step.error, step.state)
-                )
-                accepted, lengths = self.choices.stepper.next_lengths(
-                    lengths, length, errors, step.power, implicit
-                )
-                if accepted:
-                    old = replace(state, guess=rate.guess)
-                    after = self._after(old, step, length, evaluations)
-                    if not too_far(state, after):
-                        return self._accept(old, after, step, lengths)
-                    longest = length / 2
-            except (ShapeError, ConditionError):
-                longest = length / 4
-        reason = (
-            f"the time step fell below {smallest:.1e} at time {state.time:.6g}: a droplet breaks "
-            "up, or bodies come too close; take more points"
-        )
-        return replace(checkpoint, state=replace(state, stopped=reason))
-
-    def _relaxation(self, state: State) -> Relaxation:
-        """How the bodies of a state relax."""
-        return Relaxation(state, [start for _, start in self._with_starts(state)], self.motion)
-
-    def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
-        """The state that a step leads to, repaired."""
-        bare = moved(old, step.state)
-        drifts = [b.drift(start) for b, start in self._with_starts(bare)]
-        return replace(
-            self._repaired(bare, self.mesh), time=old.time + length, steps=old.steps + 1,
-            evaluations=evaluations + self._needs_slope(step.slope), length=length,
-            drift=max(drifts, key=abs),
-        )  # fmt: skip
-
-    def _needs_slope(self, slope: Array | None) -> bool:
-        """Whether the slope at the end of a step is needed for the next step."""
-        return slope is None or self.mesh is not None
-
-    def _accept(self, old: State, after: State, step: Step, lengths: Lengths) -> Checkpoint:
-        """The checkpoint after a step; the old one, stopped, if the new one is not valid.
-
-        The state is made anew only where it changes: it has its gaps worked out.
-        """
-        reasons = [b.unresolved() for b in after.bodies]
-        reasons += [self.choices.contact.reason(gap) for gap in after.gaps]
-        if any(reasons):
-            stopped = f"{next(filter(None, reasons))}, at time {after.time:.6g}"
-            return Checkpoint(replace(old, stopped=stopped), np.empty(0), lengths)
-        if gone := leaving(after):
-            left = old.left | gone
-            last = all(n in left for n in after.numbers)
-            after = replace(after, left=left, stopped="; ".join(left.values()) if last else "")
-        slope = step.slope
-        if slope is None or self._needs_slope(slope):
-            slope = self.slope(after)
-        return Checkpoint(after, slope, lengths, step.ends)
-
-    def _without_left(self, checkpoint: Checkpoint) -> Checkpoint:
-        """The checkpoint without bodies that have left."""
-        state = checkpoint.state
-        stay = [i for i, n in enumerate(state.numbers) if n not in state.left]
-        if len(stay) == len(state.numbers):
-            return checkpoint
-        bodies = tuple(state.bodies[i] for i in stay)
-        numbers = tuple(state.numbers[i] for i in stay)
-        state = replace(state, bodies=bodies, numbers=numbers, guess=())
-        return replace(checkpoint, state=state, slope=self.slope(state))
-
-    def _with_starts(self, state: State) -> list[tuple[Body, Body]]:
-        """Each body, and what it was at the beginning."""
-        starts = [self.start.bodies[n - 1] for n in state.numbers]
-        return list(zip(state.bodies, starts, strict=True))
-
-    def _repaired(self, state: State, mesh: RelaxMesh | None) -> State:
-        """The state with the right volumes, and points relaxed."""
-        pairs = self._with_starts(state)
-        bodies = tuple(b.repaired(start, self.volume, mesh) for b, start in pairs)
-        return replace(state, bodies=bodies)
-
-    def _error(self, state: State, change: Array) -> float:
-        """Largest displacement of a body in a change of coordinates, relative to its size."""
-        parts = np.split(change, ends(state))
-        return max(b.error(part) for b, part in zip(state.bodies, parts, strict=True))
-
-    def slope(self, state: State) -> Array:
-        """Rate of change of all coordinates, flat."""
-        pairs = zip(state.placed, state.responses, strict=True)
-        return np.concatenate([p.rate(r, self.motion) for p, r in pairs])
-
-    def _first_rate(self, start: State, slope: Array) -> float:
-        """The fastest rate at the beginning, that of motion included."""
-        return max(self.fastest(start), FIRST_MOVES * self._error(start, slope))
-
-    def fastest(self, state: State) -> float:
-        """Rate at which the shortest waves that the points carry relax, at most."""
-        return max(p.fastest(self.flow.viscosity) for p in state.placed)
-
-    def _between(self, before: Checkpoint, after: Checkpoint, time: float) -> State:
-        """The state at a time within a step."""
-        flat = coordinates_between(before, after, time)
-        return self._repaired(replace(moved(after.state, flat), time=time), None)
-
-
-@dataclass(eq=False)
-class _Rate:
-    """The rate of a state's coordinates elsewhere; it remembers the latest unknowns as a guess."""
-
-    simulation: Simulation
-    state: State
-    guess: tuple[Array, ...]
-
-    def __call__(self, flat: Array) -> Array:
-        state = replace(moved(self.state, flat), guess=self.guess)
-        slope = self.simulation.slope(state)
-        self.guess = tuple(np.ascontiguousarray(r.unknown) for r in state.responses)
-        return slope
+    @cached_property
+    def march(self) -> March:
+        """What leads from one state to the next."""
+        bodies = self.start.bodies
+        return March(bodies, self.choices, self.motion, self.volume, self.mesh)

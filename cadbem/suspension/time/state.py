@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
+from cadbem.checks import shaped
 from cadbem.operators.closed.layers import ClosedLayers
 from cadbem.problems.solution import StokesSolution
 from cadbem.spline.basis import Array
@@ -130,8 +131,9 @@ class State:
 
     def velocity_at(self, points: ArrayLike) -> Array:
         """Velocity (dim, M) at points (dim, M) inside and outside the bodies, in the fluid."""
-        far = self.environment.far
-        return velocity_at(self.flow, self.placed, self.responses, points, far)
+        far, dimension = self.environment.far, self.bodies[0].dimension
+        position = shaped("points", points, dimension, None)
+        return velocity_at(self.flow, self.placed, self.responses, position, far)
 
     @cached_property
     def walls(self) -> StokesSolution:

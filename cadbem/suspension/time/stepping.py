@@ -20,6 +20,7 @@ import numpy as np
 from numpy.polynomial.chebyshev import Chebyshev
 from scipy.integrate import RK45
 
+from cadbem.checks import positive, whole, within
 from cadbem.spline.basis import Array
 from cadbem.suspension.time.rosenbrock import (
     GAMMA,
@@ -76,6 +77,9 @@ class Euler:
 
     step: float
 
+    def __post_init__(self) -> None:
+        positive("Euler's step", self.step)
+
     def attempt(
         self, rate: Rate, state: Array, slope: Array, length: float, largest: float,
         relaxing: Relaxing | None = None,
@@ -109,6 +113,12 @@ class Adaptive:
     tolerance: float = 1e-3
     longest: float = np.inf
     stages: int = 12
+
+    def __post_init__(self) -> None:
+        within("Adaptive's tolerance", self.tolerance, 1e-14, 0.5)
+        if self.longest != np.inf:
+            positive("Adaptive's longest", self.longest)
+        whole("Adaptive's stages", self.stages, 2)
 
     def attempt(
         self, rate: Rate, state: Array, slope: Array, length: float, largest: float,
