@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
@@ -28,6 +28,13 @@ class SurfacePoints:
     def count(self) -> int:
         """Number of points."""
         return self.position.shape[1]
+
+    def chosen(self, which: NDArray[np.bool_]) -> SurfacePoints:
+        """Some of the points (N,)."""
+        return SurfacePoints(
+            self.position[:, which], self.normal[:, which], self.jacobian[which],
+            self.tangents[:, :, which],
+        )  # fmt: skip
 
 
 def surface_points(spline: Nurbs, *parameters: ArrayLike) -> SurfacePoints:

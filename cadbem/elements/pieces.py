@@ -104,13 +104,13 @@ class Elements:
         """All samples (dim, K S)."""
         return np.concatenate(list(self.samples), axis=1)
 
-    def _allowed(self, sizes: Sizes) -> Array:
-        """The length (K,) that each may have."""
-        return sizes(self.points).reshape(self.samples.shape[::2]).min(axis=1)
+    def least(self, values: Sizes) -> Array:
+        """The least value (K,) on each of what has ``values`` (M,) at points (dim, M)."""
+        return values(self.points).reshape(self.samples.shape[::2]).min(axis=1)
 
     def shares(self, sizes: Sizes) -> Array:
         """The length of each over what it may be (K,)."""
-        return self.lengths.max(axis=1) / self._allowed(sizes)
+        return self.lengths.max(axis=1) / self.least(sizes)
 
     def chosen(self, rows: Index) -> Elements:
         """Some of the elements."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from cadbem.kernels.kernel import Index
@@ -57,6 +58,14 @@ class CheckPoints:
             np.concatenate(parameters, axis=1), np.concatenate(weights),
         )  # fmt: skip
 
+    def on(self, chosen: NDArray[np.bool_]) -> CheckPoints:
+        """Those on chosen patches (P,)."""
+        here = chosen[self.patch]
+        return replace(
+            self, points=self.points.chosen(here), patch=self.patch[here],
+            parameters=self.parameters[:, here], weights=self.weights[here],
+        )  # fmt: skip
+
     @property
     def targets(self) -> Targets:
         """The same as targets of layers."""
@@ -65,18 +74,18 @@ class CheckPoints:
     def values(self, coefficients: Array) -> Array:
         """Values (components, N) of a field's coefficients (components, F)."""
         parts = [
-            basis @ coefficients[:, self.space.functions(i)].T
-            for i, basis in enumerate(self._bases)
+            basis @ coefficients[:, self.space.functions(i)].T for i, basis in self._bases.items()
         ]
         return np.concatenate(parts).T
 
     @cached_property
-    def _bases(self) -> list[csr_array]:
+    def _bases(self) -> dict[int, csr_array]:
         """Values of each patch's functions at its points: sparse (n, functions)."""
-        return [
-            rational_basis(patch.surface, self.parameters[:, self.patch == i])
-            for i, patch in enumerate(self.space.boundary.patches)
-        ]
+        patches = self.space.boundary.patches
+        return {
+            int(i): rational_basis(patches[i].surface, self.parameters[:, self.patch == i])
+            for i in np.unique(self.patch)
+        }
 
     def by_patch(self, values: Array) -> Array:
         """Integrals (P,) over each patch of values (N,)."""

@@ -30,7 +30,7 @@ Shape = ClosedSpline | Boundary
 Fields = Mapping[int, Mapping[str, Array]]
 ELEMENTS = "elements"
 GEOMETRY = ("coordinates", ELEMENTS)
-COUNTS = ("time", "steps", "evaluations", "length", "drift", "stopped")
+COUNTS = ("time", "steps", "evaluations", "length", "error", "drift", "stopped")
 
 
 def write_state(place: h5py.Group, state: State) -> None:

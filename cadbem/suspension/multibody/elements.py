@@ -66,6 +66,10 @@ class Cloud:
         """The distance below which distances count no more."""
         return THINNEST * self.size
 
+    def distance_to(self, points: Array) -> Array:
+        """Distances (N,) of points (dim, N)."""
+        return self.distance(points)[0]
+
     def distance(self, points: Array) -> tuple[Array, Array]:
         """Distances (N,) of points (dim, N), and radii (N,) of curvature where it is nearest."""
         away, which = self._tree.query(points.T)

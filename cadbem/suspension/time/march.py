@@ -120,6 +120,7 @@ class March:
                 if accepted:
                     old = replace(state, guess=rate.guess)
                     after = self._after(old, step, length, evaluations)
+                    after = replace(after, error=errors.whole)
                     if not too_far(state, after):
                         return self._accept(old, after, step, lengths)
                     longest = length / 2

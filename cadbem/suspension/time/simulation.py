@@ -20,6 +20,7 @@ from cadbem.suspension.multibody.contact import Contact, check_start
 from cadbem.suspension.multibody.environment import Environment
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.accuracy import Watch
 from cadbem.suspension.time.adapting import with_elements
 from cadbem.suspension.time.checkpoint import (
     Checkpoint,
@@ -122,11 +123,14 @@ class Simulation:
             check_start(self.environment.flow, self.start.placed, self.start.numbers)
             since = self.march.beginning(self._first_state())
             yield [since.state], since
+        watch = Watch(self.accuracy)
+        watch.look(since.state)
         now = since.state.time
         wanted = [time for time in output_times(end, every) if time > now * (1 + 1e-12)]
         with progress(label="time", total=end, initial=now) as bar:
             for before, after in self.march.to(since, end):
                 state, kept = after.state, []
+                watch.look(state)
                 bar.update(max(state.time - bar.n, 0.0))
                 while wanted and wanted[0] < state.time * (1 - 1e-12):
                     kept.append(self.march.between(before, after, wanted.pop(0)))

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 from cadbem.boundary import Boundary
 from cadbem.checks import shaped
 from cadbem.operators.closed.layers import ClosedLayers
+from cadbem.problems.estimates import Accuracy
 from cadbem.problems.solution import StokesSolution
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
@@ -26,14 +27,16 @@ from cadbem.suspension.multibody.measures import Measures, centre_velocity, meas
 from cadbem.suspension.multibody.multibody import MultibodySystem
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
+from cadbem.suspension.time.accuracy import state_accuracy
 from cadbem.suspension.time.overview import state_overview
 
 
 @dataclass(frozen=True, eq=False)
 class State:
     """The ``bodies`` at a ``time``, their ``numbers`` from 1 on, and how they got there: accepted
-    ``steps`` and ``evaluations`` of the velocities so far, the ``length`` of the last step, and
-    ``drift``, the largest relative error of a volume that it made, before correction.
+    ``steps`` and ``evaluations`` of the velocities so far, the ``length`` of the last step, its
+    estimated ``error``, a displacement relative to the bodies' sizes, and ``drift``, the largest
+    relative error of a volume that it made, before correction.
 
     ``left`` says of each body that has left the channel, by its number, when and where it left;
     ``guess`` has the unknowns of the bodies' equations at the time before, or nothing.
@@ -47,6 +50,7 @@ class State:
     steps: int = 0
     evaluations: int = 0
     length: float = 0.0
+    error: float = 0.0
     drift: float = 0.0
     stopped: str = ""
     left: dict[int, str] = field(default_factory=dict)
@@ -116,6 +120,11 @@ class State:
             for n, p, r in parts
             if isinstance(p, PlacedDroplet)
         }
+
+    @cached_property
+    def accuracy(self) -> Accuracy:
+        """How wrong the state may be, by quantity and body."""
+        return state_accuracy(self)
 
     @property
     def velocities(self) -> list[Array]:
