@@ -66,8 +66,8 @@ class Watch:
 
     def look(self, state: Any) -> None:
         """Warn of a state, if its bodies have moved since the last one or are new."""
-        if not self._due(state.numbers, state.bodies):
-            return
+        if state.left.keys() & set(state.numbers) or not self._due(state.numbers, state.bodies):
+            return  # a body at an opening is about to be taken out
         self._seen = {n: b.centre for n, b in zip(state.numbers, state.bodies, strict=True)}
         for estimate in state.accuracy.estimates:
             limit = DOUBTFUL if self.limit is None else self.limit
