@@ -144,7 +144,10 @@ class Store:
         """
         file = self.folder / DESCRIPTION
         if file.exists():
-            differs = first_difference(read_json(file), description)
+            before = read_json(file)
+            if not isinstance(before, dict) or not all(isinstance(v, str) for v in before.values()):
+                raise ResultsError(f"{file} is not what a run writes; {ANEW}")
+            differs = first_difference(before, description)
             if differs:
                 raise ResultsError(
                     f"{self.folder} holds the run of something else ({differs}); go on with what "
