@@ -128,6 +128,16 @@ def test_a_run_is_mended_from_its_frames(run: Path, whole: Path, damage, mending
     assert (np.diff(table["cpu_seconds"]) >= 0).all()
 
 
+def test_checkpoints_after_damage_are_forgotten(run: Path, mending):
+    """Those that are sound, too: they tell of frames that are to be computed again."""
+    flipped(frame_file(run, 3))
+    states = cb.run_folder(run, resume=True).run(simulation(), END, EVERY)
+    assert next(states).time == 0.0
+    states.close()
+    assert not (run / BEFORE).exists()
+    assert cb.open_run(run).times.tolist() == pytest.approx([0.0, EVERY, 2 * EVERY])
+
+
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_frame_is_named(run: Path, damage):
     damage(frame_file(run, 2))

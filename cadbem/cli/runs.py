@@ -151,7 +151,7 @@ def _run(options: Options) -> None:
 def _script(options: Options) -> Path:
     script = Path(options.script)
     if not os.path.isfile(script):
-        raise UsageError(f"{script}: there is no such script")
+        raise UsageError(f"{str(script):.200}: there is no such script")
     return script
 
 
@@ -173,7 +173,7 @@ def _resume(options: Options) -> Any:
     script = Path(manifest["script"]["file"]) if manifest["script"] else None
     if script is None or not os.path.isfile(script):
         raise UsageError(
-            f"{folder}: its script, {script or 'unknown'}, is not there any more; run its copy "
+            f"{folder}: its script, {str(script or 'unknown'):.200}, is not there; run its copy "
             f"with the same arguments: cadbem run {folder / 'script.py'} -o {folder} --resume ..."
         )
     check_script(folder, script, manifest["script"]["sha256"], options.trust)

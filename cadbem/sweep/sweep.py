@@ -140,7 +140,7 @@ def _points(place: Path, definition: dict[str, Any], cores: int) -> list[Point]:
     digits, others = len(str(len(values))), tuple(definition["others"])
     script = definition["script"]
     if not os.path.isfile(script):
-        raise CadbemError(f"{script}: the script of the sweep in {place} is not there any more")
+        raise CadbemError(f"{script:.200}: the script of the sweep in {place} is not there now")
     folders = [str((place / f"run_{k:0{digits}d}").resolve()) for k in range(1, len(values) + 1)]
     return [
         Point(folder, script, value, others, definition["start"], cores)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
@@ -47,10 +48,10 @@ def read_source(path: str | Path) -> CadSource:
     path = Path(path)
     name = printable(path.name)
     kind = ENDINGS.get(path.suffix.lower())
-    if path.is_dir():
+    if os.path.isdir(path):
         raise CadError(f"{path}: this is a directory; give a STEP or IGES file")
-    if not path.exists():
-        raise CadError(f"{path}: no such file")
+    if not os.path.exists(path):
+        raise CadError(f"{str(path):.300}: no such file")
     if kind is None:
         raise CadError(f"{name}: unknown ending '{path.suffix}'; use .step, .stp, .iges or .igs")
     try:
