@@ -216,6 +216,20 @@ def test_a_refused_request_changes_nothing(run: Path, request_, error):
     gone_through(run, resume=True)
 
 
+def test_a_pause_is_kept_once(run: Path):
+    """Of a script with several simulations, too; the summary is no pause."""
+    asked = json.loads((run / "run.json").read_text())
+    (run / "run.json").write_text(json.dumps(asked | {"began": "2020-02-02T02:02:02+00:00"}))
+    folder = cb.run_folder(run, resume=True)
+    list(folder.run(simulation(), END, EVERY))
+    list(folder.run(simulation(), EVERY, EVERY, part="again"))
+    folder.summary({"D": 1.0})
+    asked = json.loads((run / "run.json").read_text())
+    assert len(asked["pauses"]) == 1
+    assert asked["began"] == "2020-02-02T02:02:02+00:00"
+    assert (run / "log.txt").read_text().count("resumed") == 1
+
+
 def test_nothing_is_written_while_another_process_writes(run: Path):
     states = cb.run_folder(run, resume=True).run(simulation(), END + EVERY, EVERY)
     next(states)
