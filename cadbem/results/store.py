@@ -150,8 +150,8 @@ class Store:
             differs = first_difference(before, description)
             if differs:
                 raise ResultsError(
-                    f"{self.folder} holds the run of something else ({differs}); go on with what "
-                    "it was made from, or choose another folder"
+                    f"{self.folder} holds the run of something else ({DESCRIPTION} has "
+                    f"{differs}); go on with what it was made from, or choose another folder"
                 )
         newest, sound = newest_checkpoint(self.folder), sound_frames(self.folder)
         if newest is None:
