@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.checks import whole, within
+from cadbem.checks import finite, whole, within
 from cadbem.errors import ConditionError
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
@@ -118,7 +118,7 @@ class StokesProblem(StokesEquations):
             if not callable(goal):
                 return solution, analyse(finer, *fields, self.background, goal)
             analysis = analyse(finer, *fields, self.background)
-            values.append(float(goal(solution)))
+            values.append(float(finite("what goal returns", goal(solution))))
             before = values[-2] if len(values) > 1 else None
             return solution, by_difference(analysis, values[-1], before)
 

@@ -58,7 +58,7 @@ from cadbem.results.progress import (
 from cadbem.results.series import body_rows, frame_of, run_row
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.checkpoint import Checkpoint
-from cadbem.suspension.time.limits import check_times
+from cadbem.suspension.time.inputs import check_times
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 

@@ -103,7 +103,7 @@ def _temporary(source: CadSource) -> Iterator[Path]:
         with TemporaryDirectory(prefix="cadbem-") as folder:
             yield Path(folder)
     except OSError as error:
-        raise CadError(_no_room(source, error.strerror)) from error
+        raise CadError(_no_room(source, str(error.strerror))) from error
 
 
 def _run(

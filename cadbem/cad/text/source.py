@@ -7,6 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from cadbem.checks import instance
 from cadbem.errors import CadError, printable
 
 ENDINGS = {".step": "step", ".stp": "step", ".igs": "iges", ".iges": "iges"}
@@ -45,7 +46,7 @@ def read_source(path: str | Path) -> CadSource:
     Raises CadError for a missing, empty or cut-off file, a directory, an unknown ending, a content
     that is not what the ending says, and numbers that are not finite.
     """
-    path = Path(path)
+    path = Path(instance("path", path, str | os.PathLike, "the path of a STEP or IGES file"))
     name = printable(path.name)
     kind = ENDINGS.get(path.suffix.lower())
     if os.path.isdir(path):

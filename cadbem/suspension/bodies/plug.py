@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
-from cadbem.checks import direction, positive, shaped
+from cadbem.checks import direction, instance, positive, shaped
 from cadbem.errors import ShapeError
 from cadbem.problems.enclosure import Enclosure
 from cadbem.spline.basis import Array
@@ -55,6 +55,9 @@ def plug(
     if film is not None:
         positive("film", film)
     boundary = channel.problem.boundary if isinstance(channel, ChannelFlow) else channel
+    instance("channel", boundary, Boundary, "a ChannelFlow or a Boundary")
+    if volume > abs(boundary.volume()):
+        raise ShapeError(f"volume is {volume:.4g}, more than the channel's {boundary.volume():.4g}")
     enclosure, place = Enclosure(boundary), shaped("at", at, boundary.dimension)
     if not enclosure.inside(place[:, None])[0]:
         raise ShapeError(f"at={place.tolist()}: give a point in the channel's fluid")

@@ -30,14 +30,8 @@ from cadbem.suspension.time.checkpoint import (
     ends,
     moved,
 )
-from cadbem.suspension.time.limits import (
-    bounded,
-    check_times,
-    leaving,
-    longest_step,
-    output_times,
-    too_far,
-)
+from cadbem.suspension.time.inputs import check_parts, check_times
+from cadbem.suspension.time.limits import bounded, leaving, longest_step, output_times, too_far
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.relaxation import Relaxation
 from cadbem.suspension.time.state import State
@@ -68,6 +62,9 @@ class Simulation:
     contact: Contact = StopAtGap()
     far: FarField | None = FarField()
     points: AdaptivePoints | None = None
+
+    def __post_init__(self) -> None:
+        check_parts(self)
 
     def __repr__(self) -> str:
         return simulation_overview(self).text()
