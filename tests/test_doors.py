@@ -331,7 +331,9 @@ def test_every_public_name_is_looked_at():
 
 @pytest.mark.filterwarnings("ignore::cadbem.errors.CadWarning", "error::RuntimeWarning")
 @pytest.mark.parametrize(
-    ("name", "parameter", "value"), CASES, ids=lambda value: " ".join(repr(value).split())[:30]
+    ("name", "parameter", "value"),
+    CASES,
+    ids=[f"{name}-{parameter}-{k}" for k, (name, parameter, _) in enumerate(CASES)],
 )
 def test_what_is_no_value_is_refused(
     name: str, parameter: str, value: Any, tmp_path: Path, monkeypatch

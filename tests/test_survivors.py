@@ -121,3 +121,30 @@ def test_a_channel_is_read_back(tmp_path: Path):
     assert run.channel.volume() == pytest.approx(16.0)
     table = run.run_table
     assert (table["pressure inlet"] > 10 * abs(table["pressure outlet"])).all()
+
+
+def test_pressure_around_a_body_that_deforms():
+    """An ellipsoid whose surface moves as in the flow of a point force F = 8πμ e_x at a = (1, 0, 0)
+    within it: u = e/r + r (r·e)/r³, σ·n = -6 μ r (r·e)(r·n)/r⁵, and p -> 0 far away fixes the mean
+    of f·n, to which the pressure of the deformation contributes."""
+    at, force = np.array([1.0, 0.0, 0.0])[:, None], np.array([1.0, 0.0, 0.0])
+
+    def velocity(x: np.ndarray) -> np.ndarray:
+        r = x - at
+        distance = np.linalg.norm(r, axis=0)
+        return force[:, None] / distance + r * (force @ r) / distance**3
+
+    sides = tuple(cb.Patch(side, "ball") for side in cb.ellipsoid((2.0, 1.0, 1.0)))
+    ball = cb.Boundary(sides).elevated(5).refined(3)
+    flow = cb.StokesProblem(ball, 2.0, {"ball": cb.Velocity(velocity)}).solve()
+    found = exact = size = 0.0
+    for i in range(len(ball.patches)):
+        values, points, weights = flow.traction.quadrature(i)
+        r = points.position - at
+        across = (r * points.normal).sum(axis=0)
+        stress = -12.0 * r * (force @ r) * across / np.linalg.norm(r, axis=0) ** 5
+        found += float((values * points.normal).sum(axis=0) @ weights)
+        exact += float((stress * points.normal).sum(axis=0) @ weights)
+        size += float(np.linalg.norm(stress, axis=0) @ weights)
+    assert abs(exact) > 0.05 * size
+    assert found == pytest.approx(exact, abs=2e-3 * size)
