@@ -44,7 +44,7 @@ class Droplet:
     def __post_init__(self) -> None:
         positive("viscosity_ratio (inner over outer)", self.viscosity_ratio)
         instance("shape", self.shape, ClosedSpline, "a closed spline, as from spline_sphere")
-        offers("interface", self.interface, ("close", "stiffness"), "SurfaceTension(...)")
+        offers("interface", self.interface, ("close",), "SurfaceTension(...)")
         found, wanted = self.shape.coefficients.shape, (self.dimension, *self.shape.basis.shape)
         if found != wanted:
             raise ShapeError(f"the shape's coefficients have shape {found}; give {wanted}")

@@ -20,6 +20,7 @@ from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.units import check
 
 FILM = 0.15  # of the smallest half width: that of a long plug at Ca = 0.07 in a round pipe
+MOST = 10.0  # times the volume of a channel, from which a plug is not worth a try
 SPACING = 0.2  # of points along a plug, of its half width
 FINE = 20001  # samples of the outline along a plug
 INTEGRAL = 4000  # samples of its integral
@@ -56,8 +57,9 @@ def plug(
         positive("film", film)
     boundary = channel.problem.boundary if isinstance(channel, ChannelFlow) else channel
     instance("channel", boundary, Boundary, "a ChannelFlow or a Boundary")
-    if volume > abs(boundary.volume()):
-        raise ShapeError(f"volume is {volume:.4g}, more than the channel's {boundary.volume():.4g}")
+    whole = abs(boundary.volume())
+    if volume > MOST * whole:
+        raise ShapeError(f"volume is {volume:.4g}, and the channel's {whole:.4g}; give a smaller one")
     enclosure, place = Enclosure(boundary), shaped("at", at, boundary.dimension)
     if not enclosure.inside(place[:, None])[0]:
         raise ShapeError(f"at={place.tolist()}: give a point in the channel's fluid")
