@@ -59,7 +59,7 @@ def plug(
     instance("channel", boundary, Boundary, "a ChannelFlow or a Boundary")
     whole = abs(boundary.volume())
     if volume > MOST * whole:
-        raise ShapeError(f"volume is {volume:.4g}, and the channel's {whole:.4g}; give a smaller one")
+        raise ShapeError(f"volume is {volume:.4g}, the channel's {whole:.4g}; give a smaller one")
     enclosure, place = Enclosure(boundary), shaped("at", at, boundary.dimension)
     if not enclosure.inside(place[:, None])[0]:
         raise ShapeError(f"at={place.tolist()}: give a point in the channel's fluid")
