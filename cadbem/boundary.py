@@ -69,7 +69,7 @@ class Boundary:
         instance("patches", self.patches, tuple | list, "Patches, as a tuple")
         kinds = {(p.surface.dimension, len(p.surface.degrees)) if isinstance(p, Patch) else None
                  for p in self.patches}  # fmt: skip
-        if len(kinds) != 1 or None in kinds:
+        if len(kinds) > 1 or None in kinds:
             raise InputError("patches are not what they should be; give Patches of one dimension")
         object.__setattr__(self, "source", printable(self.source))
         object.__setattr__(self, "unit", printable(self.unit))
@@ -88,6 +88,8 @@ class Boundary:
     @property
     def dimension(self) -> int:
         """2 for curves in a plane, 3 for surfaces in space."""
+        if not self.patches:
+            raise InputError("the boundary has no patches; give it at least one")
         return self.patches[0].surface.dimension
 
     def named(self, rest: str | None = None, **selectors: Selector) -> Boundary:
