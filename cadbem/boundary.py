@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cadbem.checks import finite, not_negative, positive, shaped, vector, whole
+from cadbem.checks import finite, instance, not_negative, positive, shaped, vector, whole
 from cadbem.errors import InputError, SelectionError, printable
 from cadbem.overviews import boundary_overview
 from cadbem.points import SurfacePoints, join, surface_points
@@ -36,6 +36,8 @@ class Patch:
     face: int = 0
 
     def __post_init__(self) -> None:
+        instance("surface", self.surface, Nurbs, "a Nurbs curve or surface")
+        instance("name", self.name, str, "text")
         object.__setattr__(self, "name", printable(self.name))
         if not np.isfinite(self.surface.points).all():
             raise InputError("the surface's points are not all finite; give finite coordinates")
@@ -64,8 +66,11 @@ class Boundary:
     unit: str = ""
 
     def __post_init__(self) -> None:
-        if not self.patches:
-            raise InputError("patches is empty; give a boundary at least one Patch")
+        instance("patches", self.patches, tuple | list, "Patches, as a tuple")
+        kinds = {(p.surface.dimension, len(p.surface.degrees)) if isinstance(p, Patch) else None
+                 for p in self.patches}  # fmt: skip
+        if len(kinds) > 1 or None in kinds:
+            raise InputError("patches are not what they should be; give Patches of one dimension")
         object.__setattr__(self, "source", printable(self.source))
         object.__setattr__(self, "unit", printable(self.unit))
 
@@ -83,6 +88,8 @@ class Boundary:
     @property
     def dimension(self) -> int:
         """2 for curves in a plane, 3 for surfaces in space."""
+        if not self.patches:
+            raise InputError("the boundary has no patches; give it at least one")
         return self.patches[0].surface.dimension
 
     def named(self, rest: str | None = None, **selectors: Selector) -> Boundary:
@@ -130,9 +137,11 @@ class Boundary:
         if callable(selector):
             middles = [p.middle() for p in self.patches]
             return [i for i, m in enumerate(middles) if selector(m.position[:, 0], m.normal[:, 0])]
+        if not isinstance(selector, Sequence | np.ndarray):
+            raise SelectionError(f"'{name}' is {selector!r:.50}; give a name, face or function")
         if all(isinstance(s, int) for s in selector):
             return [i for i, p in numbered if p.face in selector]
-        return self._at_point(name, np.asarray(selector, dtype=float))
+        return self._at_point(name, shaped(f"'{name}'", selector, len(selector)))
 
     def _at_point(self, name: str, point: Array) -> list[int]:
         if point.shape != (self.dimension,):

@@ -60,6 +60,12 @@ def instance(name: str, value: Any, kind: Any, what: str) -> Any:
     return value if isinstance(value, kind) else _refused(name, value, what)
 
 
+def offers(name: str, value: Any, attributes: Sequence[str], what: str) -> Any:
+    """A value that has some attributes, said in words: ``what``."""
+    fits = all(hasattr(value, attribute) for attribute in attributes)
+    return value if fits and not isinstance(value, type) else _refused(name, value, what)
+
+
 def shaped(name: str, value: ArrayLike, *shape: int | None) -> NDArray[np.float64]:
     """Finite numbers as an array of a shape, in which None stands for any length."""
     lengths = ", ".join("N" if n is None else str(n) for n in shape)

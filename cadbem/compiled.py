@@ -3,24 +3,32 @@
 numba's own cache looks at the file of the function alone and so misses an edit of a function that
 another file calls.  Here the code is kept under a stamp of all files of the package that name this
 module: those with compiled functions, and those that define numbers which these take.
+
+Each file begins with a digest of the rest: one that is damaged, by a power cut or a full disk,
+counts as missing and is written again.
 """
 
 from __future__ import annotations
 
 import functools
 import hashlib
+import os
+import pickle
 import sys
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import numba
 from numba import njit
-from numba.core.caching import FunctionCache, IndexDataCacheFile
+from numba.core.caching import CompileResultCacheImpl, FunctionCache, IndexDataCacheFile
+from numba.core.serialize import dumps
 
 from cadbem.progress import notice
 
+DIGEST = 32  # bytes of a SHA-256
 MARK = b"cadbem.compiled"
 PATIENCE = 2.0  # seconds of compiling after which a notice is shown
 
@@ -35,8 +43,10 @@ def compiled(function: Callable | None = None, /, **options: Any) -> Any:
         return functools.partial(compiled, **options)
     defaults: dict[str, Any] = {"nogil": True, "error_model": "numpy", "no_cfunc_wrapper": True}
     dispatcher: Any = njit(**defaults | options)(function)
-    with suppress(RuntimeError):  # numba says so when it finds no folder that it can write to
+    try:
         dispatcher._cache = _Cache(function)
+    except RuntimeError:  # numba says so when it finds no folder that it can write to
+        _Cache.watch.say_once("no folder to keep it in can be written to; set NUMBA_CACHE_DIR")
     return dispatcher
 
 
@@ -58,6 +68,13 @@ class _Watch:
 
     def __init__(self) -> None:
         self.notified, self.depth, self.since, self.spent = False, 0, 0.0, 0.0
+        self.said = False
+
+    def say_once(self, why: str) -> None:
+        """Tell that machine code is not kept, the first time."""
+        if not self.said:
+            self.said = True
+            notice(f"compiled code is not kept for later runs: {why}")
 
     def start(self) -> None:
         """A function is about to be compiled."""
@@ -76,6 +93,49 @@ class _Watch:
             self.spent += time.monotonic() - self.since
 
 
+class _Folders(CompileResultCacheImpl):
+    """numba's choice of a folder: NUMBA_CACHE_DIR, the package's own or the user's; without a known
+    home the last one would lie wherever the program is run."""
+
+    _locator_classes = [
+        place
+        for place in CompileResultCacheImpl._locator_classes
+        if "UserWide" not in place.__name__ or os.path.isabs(os.path.expanduser("~"))
+    ]
+
+
+class _Files(IndexDataCacheFile):
+    """numba's files, each behind a digest."""
+
+    def _load_index(self) -> dict:
+        try:
+            version, stamp, overloads = self._read(self._index_path)
+        except OSError:
+            return {}
+        fresh = (version, stamp) == (numba.__version__, self._source_stamp)
+        return overloads if fresh else {}
+
+    def _save_index(self, overloads: dict) -> None:
+        self._write(self._index_path, (numba.__version__, self._source_stamp, overloads))
+
+    def _load_data(self, name: str) -> Any:
+        return self._read(self._data_path(name))
+
+    def _save_data(self, name: str, data: Any) -> None:
+        self._write(self._data_path(name), data)
+
+    def _write(self, path: str, value: Any) -> None:
+        content = dumps(value)
+        with self._open_for_write(path) as file:
+            file.write(hashlib.sha256(content).digest() + content)
+
+    def _read(self, path: str) -> Any:
+        content = Path(path).read_bytes()
+        if hashlib.sha256(content[DIGEST:]).digest() != content[:DIGEST]:
+            raise OSError(f"{path} is damaged")
+        return pickle.loads(content[DIGEST:])
+
+
 class _Cache(FunctionCache):
     """numba's cache of one function in the folder numba chooses, under the package's stamp.
 
@@ -83,12 +143,13 @@ class _Cache(FunctionCache):
     """
 
     watch = _Watch()
+    _impl_class = _Folders
 
     def __init__(self, function: Callable) -> None:
         super().__init__(function)
         version = sys.implementation.cache_tag + getattr(sys, "abiflags", "")
         name = f"{function.__module__}.{function.__qualname__}.{version}"
-        self._cache_file = IndexDataCacheFile(self.cache_path, name, stamp(_package(function)))
+        self._cache_file = _Files(self.cache_path, name, stamp(_package(function)))
 
     def load_overload(self, sig: Any, target_context: Any) -> Any:
         """Machine code for a signature from the disk, or None."""
@@ -100,7 +161,10 @@ class _Cache(FunctionCache):
     def save_overload(self, sig: Any, data: Any) -> None:
         """Keep machine code."""
         self.watch.stop()
-        super().save_overload(sig, data)
+        try:
+            super().save_overload(sig, data)
+        except OSError as error:
+            self.watch.say_once(f"{self.cache_path} cannot be written to ({error.strerror})")
 
 
 def _package(function: Callable) -> Path:

@@ -130,12 +130,16 @@ def as_results_error(path: Path) -> Iterator[None]:
     """Say what the system refused as a ``ResultsError``, with the remedy."""
     try:
         yield
+    except ValueError as error:  # such as a NUL in a name
+        raise ResultsError(f"'{str(path):.200}' is no name of a file ({error})") from error
     except OSError as error:
         if error.errno in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG):
             remedy = "make room and go on with 'cadbem resume'"
         else:
             remedy = "choose a folder that you may write to with -o"
-        raise ResultsError(f"{path}: cannot be written ({error.strerror}); {remedy}") from error
+        raise ResultsError(
+            f"{str(path):.300}: cannot be used ({error.strerror}); {remedy}"
+        ) from error
 
 
 @contextmanager

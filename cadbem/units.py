@@ -7,13 +7,14 @@ plain floats, which are taken as they are everywhere.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Protocol
 
-from cadbem.checks import positive
+from cadbem.checks import instance, positive
 from cadbem.errors import UnitsError
 
 Dimension = tuple[int, int, int]  # powers of length, mass and time
@@ -61,6 +62,7 @@ _KINDS: dict[str, tuple[Dimension, str, str, str]] = {
     "density": ((-3, 1, 0), "a mass per volume", "1000 kg/m^3", "kg/m^3"),
     "resistance": ((-4, 1, -1), "a pressure per flow rate", "2 Pa min/uL", "Pa*min/uL"),
 }
+LONGEST = 100  # letters of a quantity
 _NUMBER = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*\*?\s*(.*)", re.DOTALL)
 _POWER = re.compile(r"(?<=[A-Za-zµμ])(-?\d+)(?![A-Za-z\d])")  # m3, s-1, not H2O
 MANY = 1e-9  # relative difference at which two units are not the same
@@ -96,7 +98,7 @@ class Units:
 
     def __post_init__(self) -> None:
         for kind in ("length", "time", "pressure"):
-            text = getattr(self, kind)
+            text = instance(kind, getattr(self, kind), str, "a unit as text")
             if _parsed(text, text)[1] != _KINDS[kind][0]:
                 raise UnitsError(f"{kind}='{text}' is not {_KINDS[kind][1]}; give a unit of one")
 
@@ -124,10 +126,16 @@ class Units:
             raise UnitsError(f"{text!r} is not a quantity; write a number and a unit: '30 uL/min'")
         if not found[2]:
             raise UnitsError(f"'{text}' has no unit; write one behind it, such as '{text} mm/s'")
+        if len(text) > LONGEST:
+            raise UnitsError(f"'{text[:40]}...' is not a quantity; write one like '30 uL/min'")
         factor, dimension = _parsed(found[2].strip(), text)
         if not any(dimension):
             raise UnitsError(f"'{text}' is a plain number; give it without units, or another unit")
-        return Quantity.of(float(found[1]) * factor / self._size(dimension), dimension, text, self)
+        size = self._size(dimension)
+        value = float(found[1]) * factor / size if size else math.inf
+        if not math.isfinite(value):
+            raise UnitsError(f"'{text:.40}' is no finite number in {self}; give a smaller one")
+        return Quantity.of(value, dimension, text, self)
 
     def several(self, text: str) -> list[Quantity]:
         """Quantities of one unit, as in "100 200 um"."""
@@ -264,7 +272,8 @@ def _parsed(unit: str, text: str) -> tuple[float, Dimension]:
         base = _registry().Quantity(1.0, _registry().parse_units(plain)).to_base_units()
     except Exception as error:  # pint's parser raises all sorts of them
         raise UnitsError(
-            f"'{text}': the unit '{unit}' is not known; write it like 'mm/s', 'uL/min', 'mPa s'"
+            f"'{text:.60}': the unit '{unit:.60}' is not known; write it like 'mm/s', 'uL/min', "
+            "'mPa s'"
         ) from error
     powers = {name.strip("[]"): power for name, power in base.dimensionality.items()}
     dimension = tuple(powers.pop(name, 0) for name in ("length", "mass", "time"))

@@ -221,7 +221,7 @@ def test_a_limit_of_points_is_said():
 
 @pytest.mark.parametrize("accuracy", [0.0, -1.0, 2.0, np.nan, np.inf])
 def test_an_accuracy_must_make_sense(accuracy):
-    with pytest.raises(cb.ConditionError, match="accuracy="):
+    with pytest.raises(cb.InputError, match="accuracy is .*; give a number from"):
         through(duct()).solve(accuracy)
 
 

@@ -11,7 +11,7 @@ from test_results import same_tables, stored_numbers
 import cadbem as cb
 from cadbem.boundary import Boundary, Patch
 from cadbem.elements.pieces import Elements, pieces_near
-from cadbem.errors import AccuracyWarning, ShapeError
+from cadbem.errors import AccuracyWarning, InputError
 from cadbem.results import open_run, run_folder
 from cadbem.spline.outlines import rectangle
 from cadbem.spline.shapes import box, sphere
@@ -167,5 +167,5 @@ def test_a_coarse_wall_is_said():
 
 
 def test_accuracies_that_cannot_be():
-    with pytest.raises(ShapeError, match="accuracy"):
+    with pytest.raises(InputError, match="accuracy"):
         cb.Simulation(plane_channel(), disc(2.0, 0.0), accuracy=2.0)

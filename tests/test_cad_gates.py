@@ -1,6 +1,9 @@
 """Files that cannot be a boundary: each gives one line that names the file and the remedy."""
 
 import re
+import subprocess
+import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -14,6 +17,7 @@ from cadbem.cad.body.model import open_model
 from cadbem.errors import CadError, InputError
 
 occ = gmsh.model.occ
+GEOMETRIES = Path(__file__).resolve().parents[1] / "geometries"
 
 
 def box(folder: Path, suffix: str = ".step") -> Path:
@@ -238,6 +242,28 @@ def test_faces_of_no_solid_must_be_turned_alike(folder: Path):
 def test_the_size_of_tetrahedra_must_be_positive(folder: Path, size: float):
     with pytest.raises(InputError, match="size is .*; give a finite number above 0"):
         mesh_volume(folder / "any.step", size)
+
+
+def test_no_temporary_folder(folder: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(tempfile, "tempdir", str(folder / "not there"))
+    with pytest.raises(CadError, match="no room for temporary files.*not there, or set TMPDIR"):
+        read_cad(box(folder))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="needs a limit on the size of files")
+@pytest.mark.parametrize("room", [100, 30_000, 100_000])
+def test_a_temporary_folder_that_fills_up(room: int):
+    """While the file is copied, and while the kernel writes."""
+    import resource
+
+    done = subprocess.run(
+        [sys.executable, "-m", "cadbem", "info", GEOMETRIES / "serpentine.step"],
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (room, room)),
+        capture_output=True, text=True,
+    )  # fmt: skip
+    assert done.returncode == 2
+    assert done.stderr.count("\n") == 1
+    assert "no room for temporary files" in done.stderr
 
 
 def test_only_one_solid_is_meshed(folder: Path):

@@ -16,7 +16,7 @@ import pytest
 
 from cadbem.boundary import Boundary
 from cadbem.cad import read_outline
-from cadbem.errors import CadError
+from cadbem.errors import CadError, InputError
 from cadbem.problems.conditions import Inflow, NoSlip, Pressure
 from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature
@@ -263,7 +263,7 @@ def test_bad_planes(drawn) -> None:
     message = "the plane misses the solid, which reaches from [-1, -0.5, -0.5] mm to [1, 0.5, 0.5]"
     with pytest.raises(CadError, match=re.escape(message)):
         read_outline(path, point=(0, 0, 3))
-    with pytest.raises(CadError, match="three coordinates"):
+    with pytest.raises(InputError, match="normal is .*; give a vector that is not 0"):
         read_outline(path, normal=(0, 0, 0))
     with pytest.raises(CadError, match="there is no solid to cut"):
         read_outline(drawn(two_squares), normal=(0, 0, 1))

@@ -462,7 +462,7 @@ def test_resume_from_another_folder(tmp_path):
     assert json.loads((tmp_path / "out" / "summary.json").read_text()) == {"resumed": 1.0}
     (tmp_path / "script.py").unlink()
     run = cadbem_process("resume", tmp_path / "out")
-    assert run.returncode == 2 and "is not there any more; run its copy" in run.stderr
+    assert run.returncode == 2 and "is not there; run its copy" in run.stderr
 
 
 def test_later_arguments_are_kept_for_the_next_time(droplet_script, tmp_path):

@@ -38,16 +38,16 @@ print(json.dumps([result, sum(stats.cache_hits.values()), stats.cache_path]))
 """
 
 
-def used(folder, **environment):
+def used(folder, said="", **environment):
     """What `outer` of the package in a folder gives in a new process, how many times it came from
-    the disk, and the folder of the cache."""
+    the disk, and the folder of the cache; what is ``said`` on the way."""
     path = os.pathsep.join([str(folder), str(PACKAGE.parent)])
     kept = {k: v for k, v in os.environ.items() if k != "NUMBA_CACHE_DIR"}
     done = subprocess.run(
         [sys.executable, "-c", USE], env={**kept, "PYTHONPATH": path, **environment},
         check=True, capture_output=True, text=True, timeout=120,
     )  # fmt: skip
-    assert done.stderr == ""
+    assert done.stderr == said
     return json.loads(done.stdout)
 
 
@@ -82,7 +82,54 @@ def test_a_package_that_cannot_be_written_to(pair):
         assert (result, found) == (7.0, hits)
         assert home in Path(cache).parents
     nowhere = str(pair / "pair" / "__pycache__")
-    assert used(pair, HOME=nowhere, XDG_CACHE_HOME=nowhere) == [7.0, 0, None]
+    note = "compiled code is not kept for later runs: no folder to keep it in can be written to"
+    note += "; set NUMBA_CACHE_DIR\n"
+    assert used(pair, note, HOME=nowhere, XDG_CACHE_HOME=nowhere) == [7.0, 0, None]
+    assert used(pair, note, HOME="~", XDG_CACHE_HOME="") == [7.0, 0, None]
+    assert not Path("~").exists()
+
+
+def flipped(content: bytes) -> bytes:
+    """One bit in the middle is another."""
+    middle = len(content) // 2
+    return content[:middle] + bytes([content[middle] ^ 1]) + content[middle + 1 :]
+
+
+@pytest.mark.parametrize(
+    "damage",
+    [
+        flipped,
+        lambda content: content[: len(content) // 2],
+        *[
+            pytest.param(rest, marks=pytest.mark.long)
+            for rest in (lambda _: b"", lambda content: content[:40], lambda _: None)
+        ],
+    ],
+)
+@pytest.mark.parametrize("ending", ["nbi", "nbc"])
+def test_damaged_machine_code_is_made_anew(pair, damage, ending):
+    """Truncated, empty, missing, or a bit of it another: the run after that finds it again."""
+    assert used(pair)[:2] == [7.0, 0]
+    for file in (pair / "pair" / "__pycache__").glob(f"*.{ending}"):
+        content = damage(file.read_bytes())
+        file.unlink() if content is None else file.write_bytes(content)
+    assert used(pair)[:2] == [7.0, 0]
+    assert used(pair)[:2] == [7.0, 1]
+
+
+def test_a_cache_that_fills_up(pair):
+    """Files may be no larger than a kilobyte: the code is used, and a note says that it is not
+    kept."""
+    resource = pytest.importorskip("resource")
+    path = os.pathsep.join([str(pair), str(PACKAGE.parent)])
+    done = subprocess.run(
+        [sys.executable, "-B", "-c", USE], env={**os.environ, "PYTHONPATH": path},
+        capture_output=True, text=True, timeout=120,
+        preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (1000, 1000)),
+    )  # fmt: skip
+    assert json.loads(done.stdout)[:2] == [7.0, 0]
+    assert done.stderr.count("\n") == 1
+    assert "cannot be written to (File too large)" in done.stderr
 
 
 def compiled_functions():

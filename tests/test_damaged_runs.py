@@ -128,6 +128,16 @@ def test_a_run_is_mended_from_its_frames(run: Path, whole: Path, damage, mending
     assert (np.diff(table["cpu_seconds"]) >= 0).all()
 
 
+def test_checkpoints_after_damage_are_forgotten(run: Path, mending):
+    """Those that are sound, too: they tell of frames that are to be computed again."""
+    flipped(frame_file(run, 3))
+    states = cb.run_folder(run, resume=True).run(simulation(), END, EVERY)
+    assert next(states).time == 0.0
+    states.close()
+    assert not (run / BEFORE).exists()
+    assert cb.open_run(run).times.tolist() == pytest.approx([0.0, EVERY, 2 * EVERY])
+
+
 @pytest.mark.parametrize("damage", DAMAGES)
 def test_a_damaged_frame_is_named(run: Path, damage):
     damage(frame_file(run, 2))
@@ -204,6 +214,20 @@ def test_a_refused_request_changes_nothing(run: Path, request_, error):
     assert snapshot(run) == before
     assert (run / "log.txt").read_text() == log
     gone_through(run, resume=True)
+
+
+def test_a_pause_is_kept_once(run: Path):
+    """Of a script with several simulations, too; the summary is no pause."""
+    asked = json.loads((run / "run.json").read_text())
+    (run / "run.json").write_text(json.dumps(asked | {"began": "2020-02-02T02:02:02+00:00"}))
+    folder = cb.run_folder(run, resume=True)
+    list(folder.run(simulation(), END, EVERY))
+    list(folder.run(simulation(), EVERY, EVERY, part="again"))
+    folder.summary({"D": 1.0})
+    asked = json.loads((run / "run.json").read_text())
+    assert len(asked["pauses"]) == 1
+    assert asked["began"] == "2020-02-02T02:02:02+00:00"
+    assert (run / "log.txt").read_text().count("resumed") == 1
 
 
 def test_nothing_is_written_while_another_process_writes(run: Path):

@@ -333,7 +333,7 @@ def test_every_public_name_is_looked_at():
 @pytest.mark.parametrize(
     ("name", "parameter", "value"),
     CASES,
-    ids=lambda value: " ".join(repr(value).split(" at 0x")[0].split())[:30],
+    ids=[f"{name}-{parameter}-{k}" for k, (name, parameter, _) in enumerate(CASES)],
 )
 def test_what_is_no_value_is_refused(
     name: str, parameter: str, value: Any, tmp_path: Path, monkeypatch

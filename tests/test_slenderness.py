@@ -35,4 +35,6 @@ def test_what_is_wrong_is_warned_about(storage: cb.Dense | cb.Compressed, length
 def test_slenderness():
     sides = cb.box((0, 0, 0), (6.0, 2.0, 1.0))
     assert max(slenderness(s) for s in sides) == pytest.approx(6.0)
+    for side in sides:
+        assert slenderness(side.swapped()) == pytest.approx(slenderness(side))
     assert slenderness(sides[4].inserted([[0.5], []])) == pytest.approx(1.5)

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import shutil
 import subprocess
 import sys
 import time
@@ -114,10 +115,65 @@ def test_sweep_on_a_cluster(script, tmp_path):
     assert [float(row["area"]) for row in table(tmp_path / "out")] == [4, 25]
 
 
-def test_no_scheduler(script, tmp_path):
+@pytest.mark.parametrize(
+    "address",
+    ["carrier-pigeon://loft:9", "tls://127.0.0.1:9", "", "tcp://", "tcp://h:x", "inproc://1", "ü"],
+)
+def test_no_scheduler(script, tmp_path, address: str):
+    """Odd addresses, and tls without certificates, end in one line."""
     pytest.importorskip("dask.distributed")
-    with pytest.raises(cb.CadbemError, match="no dask scheduler answers"):
-        begin_sweep(script, ["--side=2,5"], tmp_path / "out", cluster="carrier-pigeon://loft:9")
+    from cadbem.sweep.engines import on_a_cluster
+
+    with pytest.raises(cb.CadbemError, match="--cluster .* dask scheduler") as refused:
+        list(on_a_cluster([], address))
+    assert "\n" not in str(refused.value)
+    assert ("distributed.comm.tls" in str(refused.value)) == address.startswith("tls")
+
+
+def certificates(folder: Path) -> dict[str, object]:
+    """dask's configuration with an authority of our own and a certificate that it has signed."""
+
+    def openssl(*words: str) -> None:
+        subprocess.run(["openssl", *words], check=True, capture_output=True, cwd=folder)
+
+    new = ("req", "-newkey", "rsa:2048", "-nodes", "-subj")
+    openssl(*new, "/CN=authority", "-x509", "-days", "2", "-keyout", "ca.key", "-out", "ca.pem")
+    openssl(*new, "/CN=localhost", "-keyout", "own.key", "-out", "own.csr")
+    sign = ("-CA", "ca.pem", "-CAkey", "ca.key", "-CAcreateserial", "-days", "2")
+    openssl("x509", "-req", "-in", "own.csr", *sign, "-out", "own.pem")
+    tls = {"ca-file": "ca.pem"}
+    for who in ("scheduler", "worker", "client"):
+        tls |= {f"{who}.cert": "own.pem", f"{who}.key": "own.key"}
+    files = {f"distributed.comm.tls.{name}": str(folder / file) for name, file in tls.items()}
+    return {"distributed.comm.require-encryption": True, **files}
+
+
+@pytest.mark.skipif(shutil.which("openssl") is None, reason="no program that makes certificates")
+def test_sweep_on_a_cluster_with_tls(script, tmp_path):
+    """Certificates come from dask's own configuration."""
+    dask = pytest.importorskip("dask")
+    distributed = pytest.importorskip("dask.distributed")
+    with dask.config.set(certificates(tmp_path)):
+        local = distributed.LocalCluster(
+            n_workers=1, threads_per_worker=1, processes=False, dashboard_address=None,
+            protocol="tls://", security=distributed.Security(),
+        )  # fmt: skip
+        with local as cluster:
+            address = cluster.scheduler_address
+            assert address.startswith("tls://")
+            assert begin_sweep(script, ["--side=2,5"], tmp_path / "out", cluster=address) == 0
+    assert [float(row["area"]) for row in table(tmp_path / "out")] == [4, 25]
+
+
+def test_what_a_cluster_has_lost_is_said():
+    """A scheduler or a worker that ends makes a point fail in one line."""
+    from cadbem.sweep.engines import _result
+
+    class Lost:
+        def result(self) -> str:
+            raise RuntimeError("the scheduler\nis gone")
+
+    assert _result(Lost()) == "the cluster lost it (RuntimeError: the scheduler is gone)"
 
 
 def test_a_run_that_can_is_gone_on_with(script, tmp_path):

@@ -148,8 +148,6 @@ def _cut(
     scale, bounds = model.unit.millimetres, model.bounds()
     middle = bounds.mean(axis=0) if point is None else np.asarray(point, dtype=float)
     direction = np.array([0.0, 0.0, 1.0]) if normal is None else np.asarray(normal, dtype=float)
-    if middle.shape != (3,) or direction.shape != (3,) or not direction.any():
-        raise CadError(f"{source.name}: the plane's point and normal have three coordinates each")
     plane = Plane.through(scale * middle, direction)
     solids = CadSource(source.name, "brep", model.kernel.brep.encode())
     brep, _ = section_model(solids, time_limit, (plane.point, plane.normal))

@@ -150,8 +150,8 @@ def _run(options: Options) -> None:
 
 def _script(options: Options) -> Path:
     script = Path(options.script)
-    if not script.is_file():
-        raise UsageError(f"{script}: there is no such script")
+    if not os.path.isfile(script):
+        raise UsageError(f"{str(script):.200}: there is no such script")
     return script
 
 
@@ -171,9 +171,9 @@ def _resume(options: Options) -> Any:
 
     manifest = read_manifest(folder)
     script = Path(manifest["script"]["file"]) if manifest["script"] else None
-    if script is None or not script.is_file():
+    if script is None or not os.path.isfile(script):
         raise UsageError(
-            f"{folder}: its script, {script or 'unknown'}, is not there any more; run its copy "
+            f"{folder}: its script, {str(script or 'unknown'):.200}, is not there; run its copy "
             f"with the same arguments: cadbem run {folder / 'script.py'} -o {folder} --resume ..."
         )
     check_script(folder, script, manifest["script"]["sha256"], options.trust)
@@ -181,7 +181,7 @@ def _resume(options: Options) -> Any:
         raise UsageError(
             f"{script} cannot go on with a run: its main takes no 'resume'; run it again"
         )
-    if Path(manifest["working_folder"]).is_dir():
+    if os.path.isdir(manifest["working_folder"]):
         os.chdir(manifest["working_folder"])  # where relative paths among the arguments begin
     given = manifest["arguments"] | {"output": str(folder)}
     words = [word for name, value in given.items() for word in _option(name, value)]

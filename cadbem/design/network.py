@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.checks import finite, positive, within
+from cadbem.checks import finite, positive
 from cadbem.design.overview import network_overview
 from cadbem.errors import AccuracyWarning, ConditionError, SelectionError
 from cadbem.operators.compressed.layers import CompressedLayers
@@ -215,8 +215,6 @@ def network_of(problem: StokesProblem, *, accuracy: float | None = None) -> Netw
     Its data do not matter.  The matrix is assembled and factorised once for all openings.  Raises
     ``ConditionError`` where other faces are not at rest, or for fewer than two openings.
     """
-    if accuracy is not None:
-        within("accuracy", accuracy, 1e-12, 0.5)
     kinds = Inflow | Pressure | Traction
     names = tuple(n for n, c in problem.conditions.items() if isinstance(c, kinds))
     for name, condition in problem.conditions.items():

@@ -11,6 +11,7 @@ from typing import TypeVar
 import numpy as np
 
 from cadbem.boundary import Boundary
+from cadbem.checks import within
 from cadbem.elements.initial import first_elements
 from cadbem.elements.marking import Evidence, marked, refined
 from cadbem.errors import AccuracyWarning, ConditionError
@@ -42,11 +43,7 @@ def adapted(
     A line a round says what was done.  When it would take more than ``most_points`` an
     ``AccuracyWarning`` says so, and the best solution is returned.
     """
-    if not FINEST <= accuracy <= COARSEST:
-        raise ConditionError(
-            f"accuracy={accuracy} is not between {FINEST:g} and {COARSEST:g}; it is the relative "
-            "error that you accept, such as 1e-3"
-        )
+    within("accuracy", accuracy, FINEST, COARSEST)
     if not most_points > 0:
         raise ConditionError(f"most_points={most_points}; give a positive number of points")
     boundary = first_elements(start, _levels(accuracy)).elevated(_degree(accuracy))

@@ -68,6 +68,7 @@ class StokesEquations:
         check("viscosity", self.viscosity, "viscosity")
         positive("viscosity", self.viscosity)
         instance("boundary", self.boundary, Boundary, "a Boundary, as from read_cad")
+        instance("conditions", self.conditions, Mapping, "a condition for each name: {name: ...}")
         instance("background", self.background, Background, "a Background")
         instance("quadrature", self.quadrature, Rules, "Quadrature(tolerance)")
         check_names(self.boundary, self.conditions, KINDS)

@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import block_diag
 
 from cadbem.boundary import Boundary
-from cadbem.checks import whole, within
+from cadbem.checks import whole
 from cadbem.errors import ConditionError
 from cadbem.operators.layers import collocation_targets
 from cadbem.operators.potentials import Potentials
@@ -62,8 +62,6 @@ class HeatProblem(HeatEquations):
         Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c its
         ``free_term``, q = -k ∂φ/∂n with n into the body.
         """
-        if accuracy is not None:
-            within("accuracy", accuracy, 1e-12, 0.5)
         whole("most_points", most_points)
         if accuracy is None:
             return self._solved()

@@ -44,6 +44,7 @@ class HeatEquations:
     def __post_init__(self) -> None:
         positive("conductivity", self.conductivity)
         instance("boundary", self.boundary, Boundary, "a Boundary, as from read_cad")
+        instance("conditions", self.conditions, Mapping, "a condition for each name: {name: ...}")
         instance("quadrature", self.quadrature, Rules, "Quadrature(tolerance)")
         if self.source is not None and not callable(self.source):
             finite("source", self.source)

@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cadbem.checks import vector
+from cadbem.checks import vector, whole
 from cadbem.kernels.kernel import Kernel
 from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.potentials import Potentials
@@ -119,6 +119,7 @@ class StokesSolution:
 
     def surface_pressure(self, patch: int, *parameters: ArrayLike) -> Array:
         """Pressure on one patch: p = -f·n - 2μ div_s u, as the flow has no divergence."""
+        whole("patch", patch, 0, len(self.space.boundary.patches) - 1)
         normal, divergence = self.velocity.surface_divergence(patch, *parameters)
         normal_traction = (self.traction.on_patch(patch, *parameters) * normal).sum(axis=0)
         return -normal_traction - 2 * self.problem.viscosity * divergence

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.checks import whole, within
+from cadbem.checks import finite, whole
 from cadbem.errors import ConditionError
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
@@ -74,8 +74,6 @@ class StokesProblem(StokesEquations):
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
-        if accuracy is not None:
-            within("accuracy", accuracy, 1e-12, 0.5)
         whole("most_points", most_points)
         bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
         walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
@@ -122,7 +120,7 @@ class StokesProblem(StokesEquations):
             if not callable(goal):
                 return solution, analyse(finer, *fields, self.background, goal)
             analysis = analyse(finer, *fields, self.background)
-            values.append(float(goal(solution)))
+            values.append(float(finite("what goal returns", goal(solution))))
             before = values[-2] if len(values) > 1 else None
             return solution, by_difference(analysis, values[-1], before)
 

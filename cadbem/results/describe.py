@@ -84,5 +84,5 @@ def first_difference(old: Mapping[str, str], new: Mapping[str, str]) -> str:
     for name in [*new, *(n for n in old if n not in new)]:
         before, now = old.get(name, "nothing"), new.get(name, "nothing")
         if before != now:
-            return f"{name or 'it'}: {before} then, {now} now"
+            return f"{name or 'it'}: {before:.60} then, {now:.60} now"
     return ""

@@ -170,7 +170,7 @@ def _keep_script(folder: RunFolder, manifest: Mapping[str, Any]) -> None:
 
 def read_manifest(path: Path) -> dict[str, Any]:
     """The manifest of the run in a folder.  Raises ``ResultsError`` when it holds none."""
-    if not (path / MANIFEST).exists():
+    if not os.path.exists(path / MANIFEST):
         raise ResultsError(f"{path} holds no run: there is no {MANIFEST} in it")
     return check_manifest(read_json(path / MANIFEST), path / MANIFEST)
 

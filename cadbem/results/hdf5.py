@@ -9,6 +9,7 @@ HDF5 calls its user block: other programs read the file as it is.
 from __future__ import annotations
 
 import hashlib
+import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from io import BytesIO
@@ -145,7 +146,7 @@ def _attributes(item: Any) -> dict[str, Any]:
 
 def _content(path: Path, remedy: str) -> bytes:
     """All bytes of a file; the digest must be that of what follows it."""
-    if not path.is_file():
+    if not os.path.isfile(path):
         raise ResultsError(f"{path} is missing; {remedy}")
     if path.stat().st_size > MOST_BYTES:
         raise ResultsError(f"{path} is too large to be what a run writes; {remedy}")

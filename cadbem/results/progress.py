@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+import os
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -62,7 +63,7 @@ def newest_checkpoint(folder: Path) -> Path | None:
 
 def has_checkpoint(folder: Path) -> bool:
     """Whether there is a checkpoint, sound or not."""
-    return any(file.exists() for file in _checkpoints(folder))
+    return any(os.path.exists(file) for file in _checkpoints(folder))
 
 
 def _checkpoints(folder: Path) -> tuple[Path, Path]:

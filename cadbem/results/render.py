@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from cadbem.files import as_results_error
 from cadbem.post.run_pictures import RunPictures, Series
 from cadbem.results.progress import CHECKPOINT
 from cadbem.results.stored import StoredRun, open_run
@@ -25,7 +26,8 @@ def render(folder: str | Path, colour: str = "") -> list[Path]:
     ``colour`` names a field to colour bodies by, see ``draw_movie``; each has its own pictures.
     Raises ``ResultsError`` when the folder holds no frames, and as ``draw_movie`` does.
     """
-    parts = [path.parent for path in sorted(Path(folder).glob(f"**/{CHECKPOINT}"))]
+    with as_results_error(Path(folder)):
+        parts = [path.parent for path in sorted(Path(folder).glob(f"**/{CHECKPOINT}"))]
     runs = [open_run(part) for part in parts or [Path(folder)]]
     return [picture for run in runs for picture in _drawn(run, colour)]
 

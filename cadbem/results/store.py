@@ -58,7 +58,7 @@ from cadbem.results.progress import (
 from cadbem.results.series import body_rows, frame_of, run_row
 from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.time.checkpoint import Checkpoint
-from cadbem.suspension.time.limits import check_times
+from cadbem.suspension.time.inputs import check_times
 from cadbem.suspension.time.simulation import Simulation
 from cadbem.suspension.time.state import State
 
@@ -144,11 +144,14 @@ class Store:
         """
         file = self.folder / DESCRIPTION
         if file.exists():
-            differs = first_difference(read_json(file), description)
+            before = read_json(file)
+            if not isinstance(before, dict) or not all(isinstance(v, str) for v in before.values()):
+                raise ResultsError(f"{file} is not what a run writes; {ANEW}")
+            differs = first_difference(before, description)
             if differs:
                 raise ResultsError(
-                    f"{self.folder} holds the run of something else ({differs}); go on with what "
-                    "it was made from, or choose another folder"
+                    f"{self.folder} holds the run of something else ({DESCRIPTION} has "
+                    f"{differs}); go on with what it was made from, or choose another folder"
                 )
         newest, sound = newest_checkpoint(self.folder), sound_frames(self.folder)
         if newest is None:

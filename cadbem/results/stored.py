@@ -12,6 +12,7 @@ import numpy as np
 
 from cadbem.boundary import Boundary
 from cadbem.errors import ResultsError
+from cadbem.files import as_results_error
 from cadbem.post.fields.frames import Frame
 from cadbem.results.encode import (
     ReferenceShape,
@@ -94,7 +95,8 @@ def open_run(path: str | Path) -> StoredRun:
     """
     folder = Path(path)
     if not has_checkpoint(folder):
-        parts = sorted(p.parent.name for p in folder.glob(f"*/{CHECKPOINT}"))
+        with as_results_error(folder):
+            parts = sorted(p.parent.name for p in folder.glob(f"*/{CHECKPOINT}"))
         hint = f"; its parts have: {', '.join(parts)}" if parts else ""
         raise ResultsError(f"{folder} holds no frames of a simulation{hint}")
     with reading(newest_checkpoint(folder) or folder / CHECKPOINT) as place:

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import ThreadPoolExecutor, as_completed
 from threading import Event
 from typing import Any
 
 from cadbem.errors import CadbemError
+from cadbem.progress import notice
 from cadbem.sweep.point import Point, as_task, run_point
 
+ADDRESS = re.compile(
+    r"(?:(?:tcp|tls|ws|wss|ucx)://)?(?:[\w.-]+|\[[\da-fA-F:.]+\]):\d{1,5}|inproc://[\w./]+/\d+/\d+"
+)
 Outcome = tuple[Point, str]
 
 
@@ -32,9 +37,19 @@ def on_a_cluster(points: Sequence[Point], address: str) -> Iterator[Outcome]:
     """
     client, completed = _client(address)
     with client:
+        if not client.scheduler_info()["workers"]:
+            notice(f"--cluster {address}: no workers yet; start some with 'dask worker {address}'")
         tasks = {client.submit(run_point, as_task(p), pure=False): p for p in points}
         for task in completed(tasks):
-            yield tasks[task], task.result()
+            yield tasks[task], _result(task)
+
+
+def _result(task: Any) -> str:
+    """What a point's run returned; what is wrong with the cluster, where that has lost it."""
+    try:
+        return task.result()
+    except Exception as error:  # dask raises all sorts of them
+        return f"the cluster lost it ({type(error).__name__}: {' '.join(str(error).split())[:200]})"
 
 
 def _client(address: str) -> tuple[Any, Callable[..., Any]]:
@@ -43,10 +58,16 @@ def _client(address: str) -> tuple[Any, Callable[..., Any]]:
         from dask.distributed import as_completed as completed
     except ImportError as error:
         raise CadbemError("--cluster needs dask; type: pip install 'dask[distributed]'") from error
+    if not ADDRESS.fullmatch(address):
+        raise CadbemError(
+            f"--cluster {address}: that is no address of a dask scheduler; give one such as "
+            "tcp://host:8786 or tls://host:8786"
+        )
     try:
         return Client(address, timeout=20), completed
-    except (OSError, ValueError) as error:
+    except Exception as error:  # dask raises all sorts of them
+        tls = "; tls:// takes certificates from dask's configuration, distributed.comm.tls"
         raise CadbemError(
             f"--cluster {address}: no dask scheduler answers there ({error}); start one with "
-            "'dask scheduler' and workers with 'dask worker'"
+            f"'dask scheduler' and workers with 'dask worker'{tls if 'tls' in address else ''}"
         ) from error

@@ -76,7 +76,7 @@ def resume_sweep(
     ``trusted``."""
     place = Path(folder)
     definition = _definition(place)
-    if Path(definition["script"]).is_file():
+    if os.path.isfile(definition["script"]):
         check_script(place, Path(definition["script"]), definition["sha256"], trusted)
     cluster = cluster or (None if jobs else definition["cluster"])
     at_a_time = min(jobs or definition["jobs"] or CORES.get(), len(points_of(definition["swept"])))
@@ -139,8 +139,8 @@ def _points(place: Path, definition: dict[str, Any], cores: int) -> list[Point]:
     values = points_of(definition["swept"])
     digits, others = len(str(len(values))), tuple(definition["others"])
     script = definition["script"]
-    if not Path(script).is_file():
-        raise CadbemError(f"{script}: the script of the sweep in {place} is not there any more")
+    if not os.path.isfile(script):
+        raise CadbemError(f"{script:.200}: the script of the sweep in {place} is not there now")
     folders = [str((place / f"run_{k:0{digits}d}").resolve()) for k in range(1, len(values) + 1)]
     return [
         Point(folder, script, value, others, definition["start"], cores)

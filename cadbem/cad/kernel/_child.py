@@ -36,6 +36,7 @@ def main(task: str, source: str, folder: str, option: str) -> None:
             _mesh(gmsh, float(option), Path(folder, "mesh.npz"))
     except Exception as error:  # whatever the kernel throws, the parent words it
         found = {"error": str(error) or type(error).__name__}
+    _check_room(Path(folder, "room"))
     Path(folder, "model.json").write_text(json.dumps(found))
     gmsh.finalize()
 
@@ -48,6 +49,12 @@ def limit_memory(share: float = 0.75) -> None:
         return
     most = int(share * os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES"))
     resource.setrlimit(resource.RLIMIT_AS, (most, most))
+
+
+def _check_room(path: Path) -> None:
+    """Fails where the disk is full: the kernel writes what fits, and says nothing."""
+    path.write_bytes(bytes(2**16))
+    path.unlink()
 
 
 def _import(gmsh, source: str) -> dict:

@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import sys
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from subprocess import DEVNULL, PIPE, STDOUT, Popen, TimeoutExpired
@@ -49,9 +52,9 @@ def import_model(source: CadSource, time_limit: float, room: str = "solid") -> K
     "void" takes them out of their box.
     Raises CadError if the kernel fails, crashes or takes longer than `time_limit` seconds.
     """
-    with TemporaryDirectory(prefix="cadbem-") as folder:
-        found, log = _run(source, Path(folder), time_limit, "record", room)
-        record = Path(folder, "model.brep")
+    with _temporary(source) as folder:
+        found, log = _run(source, folder, time_limit, "record", room)
+        record = folder / "model.brep"
         brep = record.read_text() if record.exists() else ""
     return KernelModel(
         brep, found["faces"], found["curves"], found["sewn"],
@@ -66,14 +69,14 @@ def mesh_model(source: CadSource, size: float, time_limit: float) -> tuple[Array
 
     Raises CadError as `import_model` does, and if there is not exactly one solid.
     """
-    with TemporaryDirectory(prefix="cadbem-") as folder:
-        found, log = _run(source, Path(folder), time_limit, "mesh", repr(size))
+    with _temporary(source) as folder:
+        found, log = _run(source, folder, time_limit, "mesh", repr(size))
         if len(found["solids"]) != 1:
             raise CadError(
                 f"{source.name}: {len(found['solids'])} solids instead of one; "
                 "export the fluid's space as one closed solid"
             )
-        with np.load(Path(folder, "mesh.npz")) as mesh:
+        with np.load(folder / "mesh.npz") as mesh:
             return mesh["points"], mesh["tetrahedra"]
 
 
@@ -87,10 +90,20 @@ def section_model(
     Raises CadError as `import_model` does.
     """
     option = json.dumps([list(map(float, vector)) for vector in plane]) if plane else ""
-    with TemporaryDirectory(prefix="cadbem-") as folder:
-        found, _ = _run(source, Path(folder), time_limit, "section", option)
-        brep = Path(folder, "model.brep").read_text() if found["faces"] else ""
+    with _temporary(source) as folder:
+        found, _ = _run(source, folder, time_limit, "section", option)
+        brep = (folder / "model.brep").read_text() if found["faces"] else ""
     return brep, [np.array(end) for end in found["open"]]
+
+
+@contextmanager
+def _temporary(source: CadSource) -> Iterator[Path]:
+    """A folder for the kernel's files.  Raises CadError where there is none, or no room in it."""
+    try:
+        with TemporaryDirectory(prefix="cadbem-") as folder:
+            yield Path(folder)
+    except OSError as error:
+        raise CadError(_no_room(source, str(error.strerror))) from error
 
 
 def _run(
@@ -105,7 +118,7 @@ def _run(
     result = folder / "model.json"
     if not result.exists():
         raise CadError(_crash_message(source, code, log))
-    found = json.loads(result.read_text())
+    found = json.loads(result.read_text() or "{}") or {"error": "its answer is empty"}
     if "error" in found:
         raise CadError(
             f"{source.name}: the CAD kernel cannot use the file ({_one_line(found['error'])}); "
@@ -140,7 +153,18 @@ def _finished(command: list[str], folder: Path, time_limit: float, name: str) ->
     )
 
 
+def _no_room(source: CadSource, why: str) -> str:
+    where = tempfile.tempdir or "the folder for them"
+    return (
+        f"{source.name}: no room for temporary files ({why}); make room in {where}, or set TMPDIR "
+        "to another folder"
+    )
+
+
 def _crash_message(source: CadSource, code: int, log: tuple[str, ...]) -> str:
+    full = [line for line in log if "No space left" in line or "File too large" in line]
+    if full:
+        return _no_room(source, full[0])
     if any("ModuleNotFoundError" in line or "ImportError" in line for line in log):
         return f"gmsh does not start ({log[-1]}); install it and the system libraries it names"
     if any("OSError" in line for line in log):  # a shared library is missing

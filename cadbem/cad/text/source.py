@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import os
 import re
 from dataclasses import dataclass
 from pathlib import Path
 
+from cadbem.checks import instance
 from cadbem.errors import CadError, printable
 
 ENDINGS = {".step": "step", ".stp": "step", ".igs": "iges", ".iges": "iges"}
@@ -44,13 +46,13 @@ def read_source(path: str | Path) -> CadSource:
     Raises CadError for a missing, empty or cut-off file, a directory, an unknown ending, a content
     that is not what the ending says, and numbers that are not finite.
     """
-    path = Path(path)
+    path = Path(instance("path", path, str | os.PathLike, "the path of a STEP or IGES file"))
     name = printable(path.name)
     kind = ENDINGS.get(path.suffix.lower())
-    if path.is_dir():
+    if os.path.isdir(path):
         raise CadError(f"{path}: this is a directory; give a STEP or IGES file")
-    if not path.exists():
-        raise CadError(f"{path}: no such file")
+    if not os.path.exists(path):
+        raise CadError(f"{str(path):.300}: no such file")
     if kind is None:
         raise CadError(f"{name}: unknown ending '{path.suffix}'; use .step, .stp, .iges or .igs")
     try:

@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from cadbem.checks import whole
+from cadbem.checks import one_of, whole
 from cadbem.errors import InputError
 from cadbem.post.files.export import prepared
 from cadbem.post.style.display import load_pyvista
@@ -18,6 +18,7 @@ from cadbem.post.style.style import BACKGROUND, INK
 from cadbem.spline.basis import Array
 
 Size = tuple[int, int]
+ENDINGS = (".png", ".jpeg", ".jpg", ".bmp", ".tif", ".tiff")
 LEAST, MOST = 16, 32768  # pixels along a side of a picture
 STRIP = 0.12  # height of the strip for legends, as a part of the sheet
 
@@ -121,6 +122,7 @@ def arrangement(count: int, aspect: float, size: Size) -> tuple[int, int]:
 def sheet(path: str | Path, size: Size, panels: int, aspect: float) -> Iterator[Any]:
     """A plotter as in ``stage``, written to ``path`` at the end."""
     target = prepared(path)
+    one_of("the ending of the picture's name", target.suffix.lower(), ENDINGS)
     with stage(size, panels, aspect) as plotter:
         yield plotter
         plotter.screenshot(target, return_img=False)

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cadbem.checks import instance, positive
+from cadbem.checks import instance, offers, positive
 from cadbem.closed_points import ClosedPoints, collocation_grid
 from cadbem.errors import ConditionError, ShapeError
 from cadbem.operators.closed.field import OffSurface, even_sources
@@ -44,6 +44,7 @@ class Droplet:
     def __post_init__(self) -> None:
         positive("viscosity_ratio (inner over outer)", self.viscosity_ratio)
         instance("shape", self.shape, ClosedSpline, "a closed spline, as from spline_sphere")
+        offers("interface", self.interface, ("close",), "SurfaceTension(...)")
         found, wanted = self.shape.coefficients.shape, (self.dimension, *self.shape.basis.shape)
         if found != wanted:
             raise ShapeError(f"the shape's coefficients have shape {found}; give {wanted}")

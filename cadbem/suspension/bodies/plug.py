@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cadbem.boundary import Boundary
-from cadbem.checks import direction, positive, shaped
+from cadbem.checks import direction, instance, positive, shaped
 from cadbem.errors import ShapeError
 from cadbem.problems.enclosure import Enclosure
 from cadbem.spline.basis import Array
@@ -20,6 +20,7 @@ from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.units import check
 
 FILM = 0.15  # of the smallest half width: that of a long plug at Ca = 0.07 in a round pipe
+MOST = 10.0  # times the volume of a channel, from which a plug is not worth a try
 SPACING = 0.2  # of points along a plug, of its half width
 FINE = 20001  # samples of the outline along a plug
 INTEGRAL = 4000  # samples of its integral
@@ -55,6 +56,10 @@ def plug(
     if film is not None:
         positive("film", film)
     boundary = channel.problem.boundary if isinstance(channel, ChannelFlow) else channel
+    instance("channel", boundary, Boundary, "a ChannelFlow or a Boundary")
+    whole = abs(boundary.volume())
+    if volume > MOST * whole:
+        raise ShapeError(f"volume is {volume:.4g}, the channel's {whole:.4g}; give a smaller one")
     enclosure, place = Enclosure(boundary), shaped("at", at, boundary.dimension)
     if not enclosure.inside(place[:, None])[0]:
         raise ShapeError(f"at={place.tolist()}: give a point in the channel's fluid")

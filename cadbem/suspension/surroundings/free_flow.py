@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cadbem.checks import positive
+from cadbem.checks import offers, positive
 from cadbem.spline.basis import Array
 from cadbem.suspension.surroundings.flows import BackgroundFlow
 from cadbem.suspension.surroundings.surroundings import Nearest
@@ -25,6 +25,8 @@ class FreeFlow:
     deflated: bool = True
 
     def __post_init__(self) -> None:
+        known = ("velocity", "gradient", "pressure")
+        offers("background", self.background, known, "a background flow, such as shear()")
         check("viscosity", self.viscosity, "viscosity")
         positive("viscosity", self.viscosity)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from cadbem.errors import ShapeError
+from cadbem.checks import within
 from cadbem.suspension.interface.points import AdaptivePoints
 from cadbem.suspension.multibody.contact import Contact, StopAtError, StopAtGap
 from cadbem.suspension.multibody.elements import AdaptiveElements
@@ -32,17 +32,19 @@ def choices(
 ) -> Choices:
     """What is given, and for the rest what goes with the accuracy.
 
-    Raises ShapeError for an accuracy that is not between 1e-6 and 0.1.
+    Raises InputError for an accuracy that is not between 1e-6 and 0.1.
     """
     if accuracy is None:
-        return Choices(stepper or Adaptive(), contact or StopAtGap(), points, None)
-    if not FINEST <= accuracy <= COARSEST:
-        raise ShapeError(
-            f"accuracy={accuracy}: give a share of the bodies' sizes from {FINEST} to {COARSEST}"
+        return Choices(
+            Adaptive() if stepper is None else stepper,
+            StopAtGap() if contact is None else contact,
+            points,
+            None,
         )
+    within("accuracy", accuracy, FINEST, COARSEST)
     return Choices(
-        stepper or Adaptive(accuracy),
-        contact or StopAtError(),
-        points or AdaptivePoints(accuracy),
+        Adaptive(accuracy) if stepper is None else stepper,
+        StopAtError() if contact is None else contact,
+        AdaptivePoints(accuracy) if points is None else points,
         AdaptiveElements.for_accuracy(accuracy),
     )

@@ -9,6 +9,7 @@ from functools import cached_property
 
 import numpy as np
 
+from cadbem.checks import finite
 from cadbem.errors import ShapeError
 from cadbem.spline.basis import Array
 from cadbem.spline.closed import ClosedSpline
@@ -67,6 +68,10 @@ class History:
 
     states: tuple[State, ...]
     seconds: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not self.states:
+            raise ShapeError("states is empty; give at least one state of a run")
 
     def __repr__(self) -> str:
         return history_overview(self).text()
@@ -166,6 +171,7 @@ class History:
 
     def at(self, moment: float) -> State:
         """The state kept at a time.  Raises ShapeError where there is none."""
+        finite("moment", moment)
         near = int(abs(self.times - moment).argmin())
         if abs(self.times[near] - moment) > 1e-9 * max(1.0, abs(moment)):
             raise ShapeError(

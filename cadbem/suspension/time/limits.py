@@ -6,16 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from cadbem.checks import positive
-from cadbem.errors import InputError
 from cadbem.suspension.time.checkpoint import Checkpoint, ends
 from cadbem.suspension.time.state import State
 from cadbem.suspension.time.stepping import Lengths
-from cadbem.units import check
 
 ROOM = 2.0  # gaps, or spacings if these are larger, that a body may go in one step
 STRIDE = 1 / 8  # sizes that a body may go in one implicit step
-MOST_STATES = 1e6
 COMFORTABLE = 1.0  # spacings from which on a gap may close as fast as it likes
 
 
@@ -58,14 +54,6 @@ def leaving(state: State) -> dict[int, str]:
         for gap in state.gaps
         if gap.at_opening
     }
-
-
-def check_times(end: float, every: float | None) -> None:
-    """Raises ``InputError`` or ``UnitsError`` for times of a run that are none."""
-    check("end and every", (end, every), "time")
-    positive("end", end)
-    if every is not None and end / positive("every", every) > MOST_STATES:
-        raise InputError(f"every is {every}; give more than a millionth of the end, {end}")
 
 
 def output_times(end: float, every: float | None) -> list[float]:

@@ -22,14 +22,10 @@ from cadbem.suspension.surroundings.channel_flow import ChannelFlow
 from cadbem.suspension.surroundings.surroundings import Surroundings
 from cadbem.suspension.time.accuracy import Watch
 from cadbem.suspension.time.adapting import with_elements
-from cadbem.suspension.time.checkpoint import (
-    Checkpoint,
-)
+from cadbem.suspension.time.checkpoint import Checkpoint
 from cadbem.suspension.time.choices import Choices, choices
-from cadbem.suspension.time.limits import (
-    check_times,
-    output_times,
-)
+from cadbem.suspension.time.inputs import check_parts, check_times
+from cadbem.suspension.time.limits import output_times
 from cadbem.suspension.time.march import March
 from cadbem.suspension.time.overview import simulation_overview
 from cadbem.suspension.time.state import State
@@ -67,7 +63,7 @@ class Simulation:
     accuracy: float | None = None
 
     def __post_init__(self) -> None:
-        self.choices  # noqa: B018  refuses what cannot be
+        check_parts(self)
 
     def __repr__(self) -> str:
         return simulation_overview(self).text()
