@@ -38,8 +38,9 @@ def analyse_heat(
     values = checks.values(value)
     scale = float(np.ptp(values)) or float(abs(values).max())
     areas = checks.by_patch(np.ones(len(checks.weights)))
-    squares = checks.by_patch((missed[0] / (2 * system.free_term)) ** 2) / areas.sum()
-    norms = [Norm("temperature in the mean square", scale, squares)]
+    spots = (missed[0] / (2 * system.free_term)) ** 2
+    parts = np.sqrt(checks.by_patch(spots) / areas.sum())
+    norms = [Norm("temperature in the mean square", scale, parts, 2.0, spots)]
     functionals = _rates(equations, flux)
     adjoint = adjoints(system, functionals)
     return analysed(functionals, norms, adjoint, checks, missed, (value, rate))

@@ -65,7 +65,7 @@ def analyse(
         functionals = _openings(equations, checks, velocity, traction)
     else:
         functionals = [_largest_shear(equations, traction, goal)]
-        norms = [_jumps(equations, traction, functionals[0].scale)]
+        norms = [_jumps(equations, checks, traction, functionals[0].scale)]
     if isinstance(equations.layers, CompressedLayers):
         adjoint = reciprocal_adjoints(equations, functionals)
     else:
@@ -166,8 +166,8 @@ def _slip(
         squares[plates] = 0.0  # in unbounded fluid they are as large as one likes
     far = background.velocity_at(checks.points.position)
     scale = _speed(checks, velocity.coefficients, far)
-    squares = SLIP_SAFETY**2 * squares
-    return Norm("velocity in the mean square", scale, squares / _volume(equations, areas))
+    parts = SLIP_SAFETY * np.sqrt(squares.clip(min=0.0) / _volume(equations, areas))
+    return Norm("velocity in the mean square", scale, parts, 2.0, (slip**2).sum(axis=0))
 
 
 def _speed(checks: CheckPoints, velocity: Array, far: Array | float = 0.0) -> float:
@@ -214,10 +214,12 @@ def _largest_shear(equations: StokesEquations, traction: Field, goal: str) -> Fu
     return Functional("largest wall shear", "", top, top, 0 * weights, weights, POINTWISE)
 
 
-def _jumps(equations: StokesEquations, traction: Field, scale: float) -> Norm:
+def _jumps(
+    equations: StokesEquations, checks: CheckPoints, traction: Field, scale: float
+) -> Norm:
     """The largest jump of the wall shear between elements."""
-    squares = shear_jumps(equations, traction) ** 2
-    return Norm("jump of the wall shear", scale, squares, largest=True)
+    jumps = shear_jumps(equations, traction)
+    return Norm("jump of the wall shear", scale, jumps, np.inf, 0 * checks.weights)
 
 
 def _check_points(equations: StokesEquations, points: Array) -> None:
