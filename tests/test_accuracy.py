@@ -20,11 +20,13 @@ from cadbem.boundary import Boundary, Patch
 from cadbem.elements.initial import first_elements
 from cadbem.elements.reentrant import singular_parts
 from cadbem.problems.bodies import closed_surfaces
+from cadbem.problems.continuity import shear
 from cadbem.problems.profiles import port
 from cadbem.problems.straightness import tilt
 from cadbem.spline.outlines import line
 from cadbem.spline.shapes import box, sphere
 
+GEOMETRIES = Path(__file__).parents[1] / "geometries"
 REFERENCE = json.loads((Path(__file__).parent / "data" / "reference.json").read_text())
 SQUARE = float(REFERENCE["duct"]["W1_H1"]["minus_dpdx_over_muUm"])
 FASTEST = float(REFERENCE["duct"]["W1_H1"]["umax_over_umean"])
@@ -71,6 +73,39 @@ def test_largest_wall_shear():
     peak = flow.accuracy.of("largest wall shear")
     assert abs(peak.value - 9.608) <= 3 * peak.error <= 0.15 * 9.608
     assert flow.accuracy.of("jump of the wall shear").relative <= 5e-2
+
+
+def test_curvature_jumps_are_found():
+    """Between a straight pipe and a bend, of inner radius 2 and outer radius 4, the curvature along
+    the channel jumps by up to 1/2 and 1/4; in a straight pipe it jumps nowhere."""
+    pipe, straight = (cb.read_cad(GEOMETRIES / f"{n}_pipe.step") for n in ("bent", "round"))
+    jumps = [x for sides in singular_parts(pipe).bends for x in sides.values() if x > 1e-6]
+    assert max(jumps) == pytest.approx(0.5, rel=1e-2)
+    assert min(jumps) == pytest.approx(0.25, rel=1e-2)
+    assert max(max(s.values()) for s in singular_parts(straight).bends) < 1e-6
+
+
+LONG = [pytest.param(accuracy, marks=pytest.mark.long) for accuracy in (1e-2, 1e-3)]
+
+
+@pytest.mark.parametrize("accuracy", [2e-2, *LONG])
+def test_wall_shear_goes_on_where_a_bend_begins(accuracy):
+    """From both sides of the joints of a bent pipe, x = 2 and y = 3."""
+    pipe = cb.read_cad(GEOMETRIES / "bent_pipe.step")
+    flow = through(pipe).solve(accuracy, goal="wall shear")
+    values: dict = {}
+    for number, patch in enumerate(flow.space.boundary.patches):
+        lines = [np.linspace(*ends, 7) for ends in patch.surface.domain]
+        place = [g.ravel() for g in np.meshgrid(*lines, indexing="ij")]
+        x = patch.surface.evaluate(*place)
+        joint = (abs(x[0] - 2) < 1e-9) & (x[1] < 2) | (abs(x[1] - 3) < 1e-9) & (x[0] > 2)
+        if patch.name == "walls" and joint.any():
+            along = shear(flow.traction, number, [p[joint] for p in place])
+            for point, value in zip(x[:, joint].T, along.T, strict=True):
+                values.setdefault(tuple(np.round(point, 6) + 0.0), []).append(value)
+    jumps = [np.ptp(v, axis=0).max() for v in values.values() if len(v) > 1]
+    assert len(jumps) > 40
+    assert max(jumps) <= accuracy * flow.accuracy.of("largest wall shear").value
 
 
 def test_plane_channel():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
-from math import ceil, log10
+from math import ceil, inf, log10
 from typing import TypeVar
 
 import numpy as np
@@ -25,6 +25,7 @@ FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
 MOST_POINTS = 4000
 UNGRADED = 3e-3  # accuracy from which on elements are graded from the beginning
 DEGREES = ((2e-3, 3), (2e-5, 4), (0.0, 5))  # accuracies above which to begin with a degree
+BEND = 0.5  # tractions of degree p jump by 1.2 of a strip's bend at a joint over p²
 QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
 LEFT = 0.35  # of the accuracy, for the elements that are not refined
 LEAST_LEFT = 0.03  # of an error: more of it is not removed in one round
@@ -36,11 +37,13 @@ def adapted(
     solve: Callable[[Boundary], tuple[Solution, Analysis]],
     accuracy: float,
     most_points: int,
+    pointwise: bool = False,
 ) -> tuple[Solution, Analysis]:
     """The solution on elements that were refined until all estimates are below ``accuracy``.
 
-    A line a round says what was done.  When it would take more than ``most_points`` an
-    ``AccuracyWarning`` says so, and the best solution is returned.
+    ``pointwise`` where tractions at points count, which need more at smooth joints.  A line a round
+    says what was done.  When it would take more than ``most_points`` an ``AccuracyWarning`` says
+    so, and the best solution is returned.
     """
     if not FINEST <= accuracy <= COARSEST:
         raise ConditionError(
@@ -49,7 +52,9 @@ def adapted(
         )
     if not most_points > 0:
         raise ConditionError(f"most_points={most_points}; give a positive number of points")
-    boundary = first_elements(start, _levels(accuracy)).elevated(_degree(accuracy))
+    degree = _degree(accuracy)
+    bend = BEND * degree**2 * accuracy if pointwise else inf
+    boundary = first_elements(start, _levels(accuracy), bend).elevated(degree)
     best: tuple[Solution, Analysis] | None = None
     number = 0
     while best is None or _points(boundary) <= most_points:

@@ -16,7 +16,7 @@ from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, by_difference, warn_if_doubtful
 from cadbem.problems.solution import StokesSolution
-from cadbem.problems.stokes_accuracy import Goal, analyse
+from cadbem.problems.stokes_accuracy import WALL_SHEAR, Goal, analyse
 from cadbem.problems.straightness import warn_if_not_straight
 from cadbem.problems.summary import problem_overview
 from cadbem.space import Field
@@ -114,7 +114,8 @@ class StokesProblem(StokesEquations):
             return solution, by_difference(analysis, values[-1], before)
 
         begin = time.process_time()
-        solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
+        pointwise = isinstance(goal, str) and goal == WALL_SHEAR
+        solution, analysis = adapted(self.boundary, solve, accuracy, most_points, pointwise)
         solution = replace(solution, seconds=time.process_time() - begin)
         vars(solution)["accuracy"] = analysis.accuracy
         return solution
