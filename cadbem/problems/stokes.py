@@ -23,6 +23,7 @@ from cadbem.space import Field
 from cadbem.spline.basis import Array
 
 SHARED = ("space", "surfaces", "regions", "openings", "layers", "inner_pressure", "constraints")
+CHECKED = "openings_checked"  # what a problem keeps once it has warned of its openings
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,9 +70,7 @@ class StokesProblem(StokesEquations):
         Solves c u + (1/μ) S f - D u = 2c u∞ at the collocation points, n into the fluid, with
         c = 4π, or 2π in a plane.
         """
-        bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
-        walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
-        warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
+        self._check_openings()
         if accuracy is not None:
             return self._adapted(accuracy, goal, most_points)
         begin = time.process_time()
@@ -80,6 +79,15 @@ class StokesProblem(StokesEquations):
         if not isinstance(self.layers, CompressedLayers):
             warn_if_doubtful(solution.accuracy)
         return solution
+
+    def _check_openings(self) -> None:
+        """Warn of openings that are not straight, once for all data."""
+        if CHECKED in vars(self):
+            return
+        vars(self)[CHECKED] = True
+        bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
+        walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
+        warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
 
     def _solved(self) -> StokesSolution:
         """The flow on the patches as they are."""
@@ -103,7 +111,8 @@ class StokesProblem(StokesEquations):
         def solve(boundary: Boundary) -> tuple[StokesSolution, Analysis]:
             rules = rules_for(self.quadrature, accuracy)
             finer = replace(self, boundary=boundary, quadrature=rules)
-            vars(finer)["openings"] = openings  # the same rims, whatever the elements
+            # the same rims, whatever the elements
+            vars(finer).update({"openings": openings, CHECKED: True})
             solution = finer._solved()
             fields = solution.velocity, solution.traction
             if not callable(goal):
@@ -133,8 +142,9 @@ class StokesProblem(StokesEquations):
                     f"'{name}' has {old!r} and cannot take {condition!r} with the same matrix; "
                     "make a new StokesProblem"
                 )
+        self._check_openings()
         other = replace(self, conditions={**self.conditions, **conditions})
-        vars(other).update({part: getattr(self, part) for part in SHARED})
+        vars(other).update({part: getattr(self, part) for part in SHARED}, **{CHECKED: True})
         vars(other)["system"] = self.system.with_data(other.splits)
         return other
 
