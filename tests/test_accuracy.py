@@ -139,9 +139,8 @@ def test_drag_of_a_sphere():
     assert flow.accuracy.relative < 1e-3
 
 
-def test_heat_rate():
-    """A box with φ = 1 + cos πy on one side, 0 on the other, insulated around: the mean counts, so
-    that the heat rate is 1."""
+def warm_box(source=None):
+    """A box with φ = 1 + cos πy on the side x = 1, 0 on x = 0, insulated around."""
     sides = {"hot": lambda x, n: n[0] < -0.9, "cold": lambda x, n: n[0] > 0.9}
     boundary = Boundary(tuple(Patch(s) for s in box())).named(rest="walls", **sides)
     conditions = {
@@ -149,9 +148,34 @@ def test_heat_rate():
         "cold": cb.Temperature(0.0),
         "walls": cb.HeatFlux(0.0),
     }
-    solution = cb.HeatProblem(boundary, 1.0, conditions).solve(1e-3)
+    return cb.HeatProblem(boundary, 1.0, conditions, source)
+
+
+@pytest.mark.parametrize("goal", [None, "heat rates", lambda s: s.heat_rate("hot")])
+def test_heat_rate(goal):
+    """The mean of the temperature counts, so that the heat rate is 1."""
+    solution = warm_box().solve(1e-3, goal=goal)
     assert solution.heat_rate("hot") == pytest.approx(1.0, rel=1e-3)
-    assert solution.accuracy.of("heat rate", "hot").relative <= 1e-3
+    found = {e.quantity for e in solution.accuracy.estimates}
+    assert ("temperature in the mean square" in found) == (goal is None)
+    assert solution.accuracy.relative <= 1e-3
+
+
+@pytest.mark.parametrize("source", [None, 2.0])
+def test_temperature_at_a_point(source):
+    """φ = x + cos πy sinh πx / sinh π, and b x (1 - x) / 2 of a source b."""
+    solution = warm_box(source).solve(1e-3, goal=[[0.3], [0.2], [0.6]])
+    exact = 0.3 + np.cos(0.2 * np.pi) * np.sinh(0.3 * np.pi) / np.sinh(np.pi)
+    exact += 0.0 if source is None else source * 0.3 * 0.7 / 2
+    estimate = solution.accuracy.of("temperature", "point 0")
+    assert estimate.value == pytest.approx(exact, abs=1e-3 * estimate.scale)
+    assert solution.temperature_at([[0.3], [0.2], [0.6]])[0] == pytest.approx(estimate.value)
+    assert estimate.relative <= 1e-3
+
+
+def test_unknown_goals_of_heat_are_refused():
+    with pytest.raises(cb.ConditionError, match="goal='openings' is not known; give 'heat rates'"):
+        warm_box().solve(1e-2, goal="openings")
 
 
 @pytest.fixture(scope="module")
@@ -293,7 +317,7 @@ def test_points_of_a_goal_have_a_shape(points):
 
 
 def test_points_of_a_goal_lie_in_the_fluid():
-    with pytest.raises(cb.ConditionError, match="is not in the fluid"):
+    with pytest.raises(cb.ConditionError, match="is outside the boundary"):
         through(duct()).solve(1e-2, goal=[[1.5, 9.0], [0.5, 0.5], [0.5, 0.5]])
 
 

@@ -192,10 +192,11 @@ def analysed(
     )  # fmt: skip
 
 
-def by_difference(analysis: Analysis, value: float, before: float | None) -> Analysis:
-    """The analysis of a quantity of which nothing is known but its ``value``, and the one on
-    coarser elements, ``before``: their difference, times ``SAFETY``, is the estimate."""
-    error = np.inf if before is None else SAFETY * abs(value - before)
+def by_difference(analysis: Analysis, values: Sequence[float]) -> Analysis:
+    """The analysis of a quantity of which nothing is known but its ``values``, one a round: the
+    last difference, times ``SAFETY``, is the estimate."""
+    value = values[-1]
+    error = SAFETY * abs(value - values[-2]) if len(values) > 1 else np.inf
     estimate = Estimate("the goal", "", value, float(error), abs(value))
     return replace(analysis, accuracy=Accuracy((estimate,)))
 

@@ -15,8 +15,9 @@ from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, by_difference, warn_if_doubtful
+from cadbem.problems.functionals import WALL_SHEAR, Goal
 from cadbem.problems.solution import StokesSolution
-from cadbem.problems.stokes_accuracy import WALL_SHEAR, Goal, analyse
+from cadbem.problems.stokes_accuracy import analyse
 from cadbem.problems.straightness import warn_if_not_straight
 from cadbem.problems.summary import problem_overview
 from cadbem.space import Field
@@ -119,8 +120,7 @@ class StokesProblem(StokesEquations):
                 return solution, analyse(finer, *fields, self.background, goal)
             analysis = analyse(finer, *fields, self.background)
             values.append(float(goal(solution)))
-            before = values[-2] if len(values) > 1 else None
-            return solution, by_difference(analysis, values[-1], before)
+            return solution, by_difference(analysis, values)
 
         begin = time.process_time()
         pointwise = isinstance(goal, str) and goal == WALL_SHEAR
