@@ -64,7 +64,7 @@ class HeatProblem(HeatEquations):
         errors of heat rates and of the temperature in the mean square are below that share of
         their size; or those of a ``goal``: "heat rates" for them alone, points (dim, M) for the
         temperature there, or a function of the solution that gives a number.  See
-        ``StokesProblem.solve``.
+        ``StokesProblem.solve``.  Without an ``accuracy`` the patches are the elements.
 
         Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c its
         ``free_term``, q = -k ∂φ/∂n with n into the body.
