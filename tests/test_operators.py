@@ -5,6 +5,7 @@ import pytest
 from shapes import bulged, channel
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.elements.shape import lengths
 from cadbem.kernels.stokes_3d import STOKES_3D, STOKES_PRESSURE_3D
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import assemble_layers, collocation_targets
@@ -12,6 +13,7 @@ from cadbem.operators.locate import locate
 from cadbem.operators.potentials import Potentials
 from cadbem.quadrature import Quadrature
 from cadbem.space import discontinuous_space
+from cadbem.spline.shapes import cylinder
 
 FINE = Quadrature(1e-12)
 SMALL = bulged().elevated(2).refined(2)
@@ -153,3 +155,27 @@ def test_points_on_the_boundary_are_found():
     owner, parameters = locate(SMALL, points)
     assert list(owner) == [0, 1, 2, 3, 4, 5, -1, -1, -1, -1, -1, -1]
     assert parameters[:, :6] == pytest.approx(np.tile([[0.37], [0.81]], 6), abs=1e-8)
+
+
+@pytest.mark.parametrize("side", [-np.inf, np.inf])
+def test_points_a_rounding_error_off_a_panels_border(side):
+    """A quarter of a cylinder, 0.008 long, is two panels, on whose border the middle points lie:
+    whether they are rounded off it must not matter."""
+    wall = cylinder(1.0, 4.0)[0]
+    long = int(np.argmax(lengths(wall)))
+    bounds = list(wall.domain)
+    low, high = bounds[long]
+    bounds[long] = (low, low + 0.002 * (high - low))
+    space = discontinuous_space(Boundary((Patch(wall.restricted(*bounds).elevated((4, 4))),)))
+    targets = collocation_targets(space)
+    around = targets.parameters.copy()
+    middle = 0.5 * sum(wall.domain[1 - long])
+    on = abs(around[1 - long] - middle) < 1e-9
+    around[1 - long, on] = np.nextafter(middle, side)
+    shifted = Targets(targets.position, targets.owner, around)
+    exact, found = (
+        assemble_layers(STOKES_3D, space, t, Quadrature(1e-7)).entries for t in (targets, shifted)
+    )
+    assert on.any()
+    assert np.isfinite(found).all()
+    np.testing.assert_allclose(found, exact, rtol=0, atol=1e-8 * abs(exact).max())

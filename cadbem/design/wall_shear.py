@@ -11,9 +11,10 @@ from cadbem.checks import within
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.points import surface_points
 from cadbem.problems.conditions import NoSlip
+from cadbem.problems.functionals import WALL_SHEAR
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
-from cadbem.problems.stokes_accuracy import WALL_SHEAR, analyse
+from cadbem.problems.stokes_accuracy import analyse
 from cadbem.quadrature.gauss import tensor_rule
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
+from math import ceil, inf, log
 
 import numpy as np
 
@@ -18,23 +19,28 @@ LONGEST = 2.0  # length of an element, in widths of the channel beside it
 WIDEST_TURN = np.deg2rad(95.0)  # of an element's lines
 RATIO = 0.2  # of the lengths of neighbours in a graded sequence
 CLOSE = 0.05  # share of a patch within which two cuts become one
+MOST_STRIPS = 6  # towards a smooth joint
 STATIONS = 16  # along a patch, where widths are measured
 
 
-def first_elements(boundary: Boundary, levels: int) -> Boundary:
+def first_elements(boundary: Boundary, levels: int, bend: float = inf) -> Boundary:
     """Patches of one element each that cover a boundary as it was drawn.
 
     Knots within patches become edges; elements are at most two widths of the channel long, and
-    shrink in ``levels`` steps towards re-entrant edges.
+    shrink in ``levels`` steps towards re-entrant edges.  They shrink towards smooth joints too,
+    until the jump of the curvature there times the length of the element beside it is below
+    ``bend``.
     """
     pieces = replace(boundary, patches=tuple(_at_knots(boundary)))
     singular = singular_parts(pieces)
     widths = Widths.of(pieces)
     patches: list[Patch] = []
-    for patch, sides, corners in zip(pieces.patches, singular.sides, singular.corners, strict=True):
-        cuts = _cuts(patch, widths, corners)
-        for surface in _divided(patch.surface, cuts):
-            element = _Element.of(replace(patch, surface=surface), patch.surface, sides)
+    for number, patch in enumerate(pieces.patches):
+        jumps = singular.bends[number].items()
+        longest = {side: bend / jump for side, jump in jumps if jump > 0 and bend < inf}
+        longest |= dict.fromkeys(singular.sides[number], 0.0)
+        for surface in _divided(patch.surface, _cuts(patch, widths, singular.corners[number])):
+            element = _Element.of(replace(patch, surface=surface), patch.surface, longest)
             patches += element.graded(levels, widths)
     return replace(boundary, patches=tuple(patches))
 
@@ -95,43 +101,53 @@ def _divided(surface: Nurbs, cuts: list[Array]) -> list[Nurbs]:
 
 @dataclass(frozen=True, eq=False)
 class _Element:
-    """A patch of one element and its singular ``sides``."""
+    """A patch of one element, and the ``longest`` that a strip beside some of its sides may be, 0
+    for re-entrant edges, at which no strip is short enough."""
 
     patch: Patch
-    sides: frozenset[Side]
+    longest: Mapping[Side, float]
 
     @classmethod
-    def of(cls, patch: Patch, whole: Nurbs, sides: frozenset[Side]) -> _Element:
-        """An element of a patch whose singular sides are known."""
+    def of(cls, patch: Patch, whole: Nurbs, longest: Mapping[Side, float]) -> _Element:
+        """An element of a patch of which this is known."""
         domain, all_ = patch.surface.domain, whole.domain
-        own = frozenset(s for s in sides if domain[s[0]][s[1]] == all_[s[0]][s[1]])
-        return cls(patch, own)
+        own = [s for s in longest if domain[s[0]][s[1]] == all_[s[0]][s[1]]]
+        return cls(patch, {side: longest[side] for side in own})
 
     def graded(self, levels: int, widths: Widths) -> list[Patch]:
-        """The element cut into strips that shrink towards its singular sides."""
-        if not levels or not self.sides:
+        """The element cut into strips that shrink towards such sides."""
+        if not self.longest:
             return [self.patch]
         size = lengths(self.patch.surface)
         width = float(min(widths.along(self.patch, d, 1)[0] for d in range(len(size))))
-        direction = min(self.sides)[0]
-        return self._strips(direction, levels, min(*size, width) / size[direction], widths)
-
-    def _strips(
-        self, direction: int, levels: int, unit: float, widths: Widths
-    ) -> list[Patch]:
-        ends = [end for d, end in self.sides if d == direction]
-        shares = {0.0, 1.0}
-        room = 0.5 if len(ends) == 2 else 1.0
-        for end in ends:
-            steps = [min(unit, room) * RATIO ** (k + 1) for k in range(levels)]
-            shares |= {s if end == 0 else 1.0 - s for s in steps}
-            shares |= {0.5} if len(ends) == 2 else set()
-        low, high = self.patch.surface.domain[direction]
-        cuts: list[Array] = [np.empty(0)] * len(self.patch.surface.degrees)
-        cuts[direction] = low + (high - low) * np.array(sorted(shares))[1:-1]
-        rest = frozenset(s for s in self.sides if s[0] != direction)
+        first = min(*size, width)
+        steps = {side: _steps(first, most, levels) for side, most in self.longest.items()}
+        steps = {side: number for side, number in steps.items() if number}
+        if not steps:
+            return [self.patch]
+        direction = min(steps)[0]
+        here = {end: number for (d, end), number in steps.items() if d == direction}
+        rest = {side: most for side, most in self.longest.items() if side[0] != direction}
         strips = []
-        for surface in _divided(self.patch.surface, cuts):
-            strip = _Element(replace(self.patch, surface=surface), rest)
-            strips += strip.graded(levels, widths) if rest else [strip.patch]
+        for surface in self._strips(direction, here, first / size[direction]):
+            strips += _Element(replace(self.patch, surface=surface), rest).graded(levels, widths)
         return strips
+
+    def _strips(self, direction: int, steps: Mapping[int, int], unit: float) -> list[Nurbs]:
+        """Strips towards one end or both, of which ``steps`` says how many."""
+        shares = {0.0, 1.0} | ({0.5} if len(steps) == 2 else set())
+        unit = min(unit, 0.5 if len(steps) == 2 else 1.0)
+        for end, number in steps.items():
+            cuts = [unit * RATIO ** (k + 1) for k in range(number)]
+            shares |= {s if end == 0 else 1.0 - s for s in cuts}
+        low, high = self.patch.surface.domain[direction]
+        places: list[Array] = [np.empty(0)] * len(self.patch.surface.degrees)
+        places[direction] = low + (high - low) * np.array(sorted(shares))[1:-1]
+        return _divided(self.patch.surface, places)
+
+
+def _steps(first: float, longest: float, levels: int) -> int:
+    """How often the length ``first`` is to shrink; ``levels`` times if nothing is short enough."""
+    if longest == 0.0:
+        return levels
+    return min(ceil(max(0.0, log(longest / first) / log(RATIO))), MOST_STRIPS)

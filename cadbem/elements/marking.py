@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise, product
+from math import ceil
 
 import numpy as np
 
@@ -13,9 +14,9 @@ from cadbem.elements.initial import RATIO
 from cadbem.spline.basis import Array
 
 BOTH = 0.3  # share of the larger tail from which a direction is refined too
-SMOOTH = 0.25  # decay over two degrees from which a higher degree pays
-HIGHEST = 8  # degree
-MOST_STEPS = 2  # by which a degree is raised at once
+SMOOTH = 0.5  # decay over two degrees from which a higher degree pays
+HIGHEST = 10  # degree
+MOST_STEPS = 3  # by which a degree is raised at once
 ONE_SIDED = 0.7  # share of the error near an end from which the cut is made there
 NEAR = 0.3  # share of an element that is near an end
 
@@ -30,18 +31,22 @@ class Evidence:
     amounts: Array
 
 
-def marked(shares: Array, bound: Array, portion: float) -> list[int]:
-    """Patches that make up a ``portion`` of each error that is above its bound.
+def reductions(shares: Array, exponents: Array, allowed: Array) -> dict[int, float]:
+    """Patches to be refined, and by which factors their errors should fall.
 
-    ``shares`` (K, P) of the patches in K errors, ``bound`` (K,) for their sums.
+    ``shares`` (K, P) of patches in K errors, which are the norms of these with ``exponents`` (K,).
+    The patches are as few as possible so that what all others add up to is ``allowed`` (K,); they
+    themselves should add up to as much.
     """
-    chosen: set[int] = set()
-    for share, limit in zip(shares, bound, strict=True):
-        if share.sum() > limit:
-            order = np.argsort(-share)
-            count = int(np.searchsorted(np.cumsum(share[order]), portion * share.sum())) + 1
-            chosen |= set(order[:count].tolist())
-    return sorted(chosen)
+    found: dict[int, float] = {}
+    for share, exponent, limit in zip(shares, exponents, allowed, strict=True):
+        order = np.argsort(-share)
+        rest = [float(np.linalg.norm(share[order[k:]], exponent)) for k in range(len(order))]
+        count = int((np.array(rest) > limit).sum())
+        for patch in order[:count].tolist():
+            factor = float(share[patch]) / limit * count ** (1 / exponent)
+            found[patch] = max(found.get(patch, 0.0), factor)
+    return found
 
 
 def refined(patch: Patch, evidence: Evidence, reduction: float) -> list[Patch]:
@@ -58,7 +63,7 @@ def refined(patch: Patch, evidence: Evidence, reduction: float) -> list[Patch]:
     for d in wanted:
         decay = _decay(spectra[d])
         if decay < SMOOTH and degrees[d] < HIGHEST:
-            steps = round(2 * np.log(min(reduction, 1e3)) / -np.log(max(decay, 1e-3)))
+            steps = ceil(2 * np.log(min(reduction, 1e3)) / -np.log(max(decay, 1e-3)))
             degrees[d] = min(degrees[d] + int(np.clip(steps, 1, MOST_STEPS)), HIGHEST)
         else:
             low, high = surface.domain[d]

@@ -1,16 +1,24 @@
-"""Edges at which the fluid's angle is above 180 degrees: there tractions are singular."""
+"""Edges at which tractions are not smooth.
+
+Where the fluid's angle is above 180 degrees they are infinite.  Where two faces join smoothly, but
+the curvature across the edge jumps by κ, as between a straight channel and a bend, a shear flow
+along the wall meets an offset κx²/2 on one side: tractions are continuous, and change like
+κ x log|x| at the distance x from the edge.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary
 from cadbem.elements.shape import Side, side_parameters
-from cadbem.points import surface_points
+from cadbem.points import SurfacePoints, surface_points
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 from cadbem.spline.project import closest_point
@@ -18,6 +26,7 @@ from cadbem.spline.project import closest_point
 SAMPLES = 16  # an edge
 SHARPEST = np.sin(np.deg2rad(10.0))  # of the angle beyond 180 degrees that counts
 NEIGHBOURS = 24  # nearest samples among which an edge's neighbours are sought
+SMOOTH = 0.999  # cosine of the angle between faces that join smoothly
 OFF = 0.1  # how far an edge may run beside its neighbour's samples, over their spacing
 TOUCHING = 1e-6  # share of the boundary's size within which a patch holds a point
 
@@ -25,22 +34,26 @@ TOUCHING = 1e-6  # share of the boundary's size within which a patch holds a poi
 @dataclass(frozen=True, eq=False)
 class Singular:
     """``sides``: which sides of each patch are re-entrant edges; ``corners``: parameters (p,) of
-    points of each patch at which a re-entrant edge of other patches ends."""
+    points of each patch at which a re-entrant edge of other patches ends; ``bends``: by how much
+    the curvature jumps across sides at which a patch joins others smoothly."""
 
     sides: tuple[frozenset[Side], ...]
     corners: tuple[tuple[Array, ...], ...]
+    bends: tuple[dict[Side, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
 class _Edges:
     """Samples of all patches' edges: ``position``, ``normal``, ``inward``, ``along`` (dim, N) (all
-    but the first of unit length), their ``spacing`` and the number of the ``patch`` (N,)."""
+    but the first of unit length), their ``spacing``, the ``curvature`` of the patch in the
+    direction inward and the number of the ``patch`` (N,)."""
 
     position: Array
     normal: Array
     inward: Array
     along: Array
     spacing: Array
+    curvature: Array
     patch: Array
     sides: list[tuple[int, Side]]
 
@@ -51,16 +64,20 @@ class _Edges:
 
 
 def singular_parts(boundary: Boundary) -> Singular:
-    """Where re-entrant edges lie on a boundary's patches."""
+    """Where such edges lie on a boundary's patches."""
     edges = _sampled(boundary)
-    flags = _reentrant(edges).reshape(len(edges.sides), edges.count)
+    form = len(edges.sides), edges.count
+    flags, jumps = _reentrant(edges).reshape(form), _curvature_jumps(edges).reshape(form)
     sides: list[set[Side]] = [set() for _ in boundary.patches]
+    bends: list[dict[Side, float]] = [{} for _ in boundary.patches]
     ends: list[Array] = []
-    for (patch, side), flag in zip(edges.sides, flags, strict=True):
+    for (patch, side), flag, jump in zip(edges.sides, flags, jumps, strict=True):
+        bends[patch][side] = float(jump.max())
         if flag.mean() > 0.75:
             sides[patch].add(side)
             ends += _ends(boundary.patches[patch].surface, side)
-    return Singular(tuple(map(frozenset, sides)), _corners(boundary, sides, ends))
+    corners = _corners(boundary, sides, ends)
+    return Singular(tuple(map(frozenset, sides)), corners, tuple(bends))
 
 
 def _sampled(boundary: Boundary) -> _Edges:
@@ -72,9 +89,9 @@ def _sampled(boundary: Boundary) -> _Edges:
                 parts.append(_samples(surface, side))
                 sides.append((number, side))
     stacked = [np.concatenate(x, axis=-1) for x in zip(*parts, strict=True)]
-    position, normal, inward, along, spacing = stacked
+    position, normal, inward, along, spacing, curvature = stacked
     owner = np.repeat([number for number, _ in sides], len(spacing) // len(sides))
-    return _Edges(position, normal, inward, along, spacing, owner, sides)
+    return _Edges(position, normal, inward, along, spacing, curvature, owner, sides)
 
 
 def _length(surface: Nurbs, side: Side) -> float:
@@ -84,10 +101,11 @@ def _length(surface: Nurbs, side: Side) -> float:
     return length if length > TOUCHING * size else 0.0
 
 
-def _samples(surface: Nurbs, side: Side) -> tuple[Array, Array, Array, Array, Array]:
+def _samples(surface: Nurbs, side: Side) -> tuple[Array, ...]:
     direction, end = side
     count = SAMPLES if len(surface.degrees) == 2 else 1
-    points = surface_points(surface, *side_parameters(surface, side, count))
+    parameters = side_parameters(surface, side, count)
+    points = surface_points(surface, *parameters)
     across = points.tangents[direction] * (1.0 if end == 0 else -1.0)
     if len(surface.degrees) == 1:
         along, spacing = np.zeros_like(across), np.zeros(1)
@@ -96,7 +114,27 @@ def _samples(surface: Nurbs, side: Side) -> tuple[Array, Array, Array, Array, Ar
         across = across - (across * along).sum(axis=0) * along
         steps = np.linalg.norm(np.diff(points.position, axis=1), axis=0)
         spacing = np.full(count, max(float(steps.max()), 1e-300))
-    return points.position, points.normal, _unit(across), along, spacing
+    inward = _unit(across)
+    curvature = _curvature(surface, parameters, points, inward)
+    return points.position, points.normal, inward, along, spacing, curvature
+
+
+def _curvature(
+    surface: Nurbs, parameters: list[Array], points: SurfacePoints, direction: Array
+) -> Array:
+    """Normal curvature (N,) in a tangential direction (dim, N): n·x'' along it."""
+    second = surface.derivatives(2, *parameters)
+    # the direction in steps of the parameters, least squares where the surface is a point
+    tangents = np.moveaxis(points.tangents, (0, 1, 2), (2, 1, 0))
+    steps = (np.linalg.pinv(tangents) @ direction.T[..., None])[..., 0].T
+    bend = np.zeros(direction.shape[1])
+    for i, j in product(range(len(steps)), repeat=2):
+        key = [0] * len(steps)
+        key[i] += 1
+        key[j] += 1
+        acceleration = second[tuple(key)].reshape(direction.shape)
+        bend += steps[i] * steps[j] * (points.normal * acceleration).sum(axis=0)
+    return bend
 
 
 def _unit(vectors: Array) -> Array:
@@ -104,11 +142,11 @@ def _unit(vectors: Array) -> Array:
     return vectors / np.where(size > 0, size, 1.0)
 
 
-def _reentrant(edges: _Edges) -> np.ndarray:
-    """Whether the fluid's angle between a sample's patch and another one there is above 180°."""
+def _neighbours(edges: _Edges) -> Iterator[tuple[NDArray[np.int64], NDArray[np.bool_]]]:
+    """For all samples at once, one after the other of those near by (N,), and whether it is on the
+    same edge of another patch."""
     k = min(NEIGHBOURS, len(edges.patch))
     _, others = cKDTree(edges.position.T).query(edges.position.T, k=k)
-    found = np.zeros(len(edges.patch), dtype=bool)
     size = float(np.ptp(edges.position, axis=1).max())
     for j in np.reshape(others, (-1, k)).T:
         way = edges.position - edges.position[:, j]
@@ -117,10 +155,28 @@ def _reentrant(edges: _Edges) -> np.ndarray:
         beside = (off <= OFF * edges.spacing[j] + TOUCHING * size) & (
             abs(on) <= edges.spacing[j] + TOUCHING * size
         )
+        yield j, beside & (edges.patch != edges.patch[j])
+
+
+def _reentrant(edges: _Edges) -> NDArray[np.bool_]:
+    """Whether the fluid's angle between a sample's patch and another one there is above 180°."""
+    found = np.zeros(len(edges.patch), dtype=bool)
+    for j, beside in _neighbours(edges):
         here = (edges.inward[:, j] * edges.normal).sum(axis=0) < -SHARPEST
         there = (edges.inward * edges.normal[:, j]).sum(axis=0) < -SHARPEST
-        found |= beside & here & there & (edges.patch != edges.patch[j])
+        found |= beside & here & there
     return found
+
+
+def _curvature_jumps(edges: _Edges) -> Array:
+    """By how much the curvature differs beyond each sample, where another patch joins smoothly."""
+    least = np.full(len(edges.patch), np.inf)
+    for j, beside in _neighbours(edges):
+        smooth = (edges.normal * edges.normal[:, j]).sum(axis=0) > SMOOTH
+        ahead = (edges.inward * edges.inward[:, j]).sum(axis=0) < -SMOOTH
+        jump = abs(edges.curvature - edges.curvature[j])
+        least = np.where(beside & smooth & ahead, np.minimum(least, jump), least)
+    return np.where(np.isfinite(least), least, 0.0)
 
 
 def _ends(surface: Nurbs, side: Side) -> list[Array]:

@@ -139,10 +139,12 @@ class Panels:
         return (parameter[:, None] >= low) & (parameter[:, None] <= high)
 
     def local(self, direction: int, parameter: Array, panel: Index) -> Array:
-        """Parameters within their panels, in [0, 1]."""
+        """Parameters within their panels, in [0, 1]; exactly 0 and 1 on the borders, since polar
+        rules cannot take a border at the distance of a rounding error."""
         breaks = self.breaks[direction]
         share = (parameter - breaks[panel]) / (breaks[panel + 1] - breaks[panel])
-        return np.clip(share, 0.0, 1.0)
+        share = np.where(share < SAME_PARAMETER, 0.0, share)
+        return np.where(share > 1.0 - SAME_PARAMETER, 1.0, share)
 
 
 @lru_cache(maxsize=1024)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections.abc import Callable
-from math import ceil, log10
+from math import ceil, inf, log10
 from typing import TypeVar
 
 import numpy as np
@@ -13,7 +13,7 @@ import numpy as np
 from cadbem.boundary import Boundary
 from cadbem.checks import within
 from cadbem.elements.initial import first_elements
-from cadbem.elements.marking import Evidence, marked, refined
+from cadbem.elements.marking import Evidence, reductions, refined
 from cadbem.errors import AccuracyWarning, ConditionError
 from cadbem.problems.estimates import Analysis, Estimate
 from cadbem.progress import notice
@@ -25,11 +25,12 @@ Solution = TypeVar("Solution")
 FINEST, COARSEST = 1e-8, 0.3  # accuracies that can be asked for
 MOST_POINTS = 4000
 UNGRADED = 3e-3  # accuracy from which on elements are graded from the beginning
-DEGREES = ((4e-3, 3), (4e-4, 4), (0.0, 5))  # accuracies above which to begin with a degree
-QUADRATURE_SHARE = 1e-3  # of the accuracy: tolerance of integrals
-PORTION, LAST_PORTION = 0.7, 0.5  # of an error, that of the elements that are refined
-CLOSE = 3.0  # times the accuracy: errors below it need the last, smaller rounds
-GROWTH = 1.2  # of the points in a round, at least
+DEGREES = ((2e-3, 3), (2e-5, 4), (0.0, 5))  # accuracies above which to begin with a degree
+BEND = 0.5  # tractions of degree p jump by 1.2 of a strip's bend at a joint over p²
+QUADRATURE_SHARE = 1e-2  # of the accuracy: tolerance of integrals
+LEFT = 0.35  # of the accuracy, for the elements that are not refined
+LEAST_LEFT = 0.03  # of an error: more of it is not removed in one round
+GROWTH = 1.1  # of the points in a round, at least
 
 
 def adapted(
@@ -37,16 +38,20 @@ def adapted(
     solve: Callable[[Boundary], tuple[Solution, Analysis]],
     accuracy: float,
     most_points: int,
+    pointwise: bool = False,
 ) -> tuple[Solution, Analysis]:
     """The solution on elements that were refined until all estimates are below ``accuracy``.
 
-    A line a round says what was done.  When it would take more than ``most_points`` an
-    ``AccuracyWarning`` says so, and the best solution is returned.
+    ``pointwise`` where tractions at points count, which need more at smooth joints.  A line a round
+    says what was done.  When it would take more than ``most_points`` an ``AccuracyWarning`` says
+    so, and the best solution is returned.
     """
     within("accuracy", accuracy, FINEST, COARSEST)
     if not most_points > 0:
         raise ConditionError(f"most_points={most_points}; give a positive number of points")
-    boundary = first_elements(start, _levels(accuracy)).elevated(_degree(accuracy))
+    degree = _degree(accuracy)
+    bend = BEND * degree**2 * accuracy if pointwise else inf
+    boundary = first_elements(start, _levels(accuracy), bend).elevated(degree)
     best: tuple[Solution, Analysis] | None = None
     number = 0
     while best is None or _points(boundary) <= most_points:
@@ -100,23 +105,26 @@ def _points(boundary: Boundary) -> int:
 
 def _finer(boundary: Boundary, analysis: Analysis, accuracy: float) -> Boundary:
     """The boundary with those elements refined that the errors above ``accuracy`` come from."""
-    excess = analysis.accuracy.relative / accuracy
-    shares, portion = analysis.shares, PORTION if excess > CLOSE else LAST_PORTION
-    above = (shares.sum(axis=1) > accuracy).any()
-    bound = np.full(len(shares), accuracy if above else 0.0)
+    errors = np.array(
+        [np.linalg.norm(s, p) for s, p in zip(analysis.shares, analysis.exponents, strict=True)]
+    )
+    above = errors > accuracy
+    # a goal of the user's own has no shares: errors that are known stand in for it
+    wanted = np.where(above, np.maximum(LEFT * accuracy, LEAST_LEFT * errors), np.inf)
+    allowed = wanted if above.any() else LEFT * errors
     before = _points(boundary)
     while True:
-        chosen = set(marked(shares, bound, portion))
+        factors = reductions(analysis.shares, analysis.exponents, allowed)
         patches = []
         for i, patch in enumerate(boundary.patches):
-            if i in chosen:
-                patches += refined(patch, _evidence(analysis, i), max(excess, 2.0))
+            if i in factors:
+                patches += refined(patch, _evidence(analysis, i), max(factors[i], 2.0))
             else:
                 patches.append(patch)
         finer = Boundary(tuple(patches), boundary.source, boundary.unit)
-        if _points(finer) >= GROWTH * before or portion > 0.95:
+        if _points(finer) >= GROWTH * before or len(factors) == len(boundary.patches):
             return finer
-        portion = 1 - 0.6 * (1 - portion)
+        allowed = 0.6 * allowed
 
 
 def _evidence(analysis: Analysis, patch: int) -> Evidence:
@@ -130,8 +138,9 @@ def _evidence(analysis: Analysis, patch: int) -> Evidence:
     low = np.array([ends[0] for ends in surface.domain])[:, None]
     high = np.array([ends[1] for ends in surface.domain])[:, None]
     places = (checks.parameters[:, here] - low) / (high - low)
-    amounts = abs(analysis.spots[:, here]).sum(axis=0) * checks.weights[here]
-    return Evidence(values, places, amounts)
+    spots = analysis.spots[:, here] * checks.weights[here]
+    spots /= np.maximum(spots.sum(axis=1, keepdims=True), 1e-300)
+    return Evidence(values, places, analysis.shares[:, patch] @ spots)
 
 
 def _on_grid(values: Array, shape: tuple[int, ...]) -> Array:

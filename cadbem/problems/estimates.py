@@ -29,7 +29,8 @@ from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 
 SAFETY = 1.5
-CHECKED = 1e-7  # tolerance of residuals, at best
+ROUGHER = 30.0  # times a solution's tolerance, that of its residuals, which need two digits
+CHECKED = 1e-7, 1e-5  # tolerances of residuals, at best and at worst
 DOUBTFUL = 0.02  # relative error from which a solution warns
 
 
@@ -97,7 +98,7 @@ class Accuracy:
 def coarser(rules: Rules) -> Rules:
     """The rules with which residuals are worked out."""
     if isinstance(rules, Quadrature):
-        return Quadrature(max(rules.tolerance, CHECKED))
+        return Quadrature(float(np.clip(ROUGHER * rules.tolerance, *CHECKED)))
     return rules
 
 
@@ -141,27 +142,31 @@ def adjoints(system: MixedSystem, functionals: Sequence[Functional]) -> list[Arr
 class Analysis:
     """What is known of a solution's errors.
 
-    ``accuracy`` has the estimates, ``shares`` (K, P) what each patch adds to each relative error;
-    ``spots`` (M, N) are z·r at the ``checks``, and ``fields`` (·, F) coefficients of all fields
-    whose resolution counts: the solution's and the adjoints'.
+    ``accuracy`` has the estimates.  Patches have ``shares`` (K, P) in each relative error, which is
+    their norm with the ``exponents`` (K,): 1 for numbers, 2 for mean squares, inf for the largest
+    of something.  ``spots`` (K, N) say where within patches errors come from, in any unit, at the
+    ``checks``; ``fields`` (·, F) are coefficients of all fields whose resolution counts: the
+    solution's and the adjoints'.
     """
 
     accuracy: Accuracy
     checks: CheckPoints
     shares: Array
+    exponents: Array
     spots: Array
     fields: tuple[Array, ...]
 
 
 @dataclass(frozen=True, eq=False)
 class Norm:
-    """An error that is a norm: its ``quantity``, the ``scale``, and the ``squares`` (P,) that
-    patches add to the square of it, or of which the ``largest`` is the square of it."""
+    """An error that is the norm with an ``exponent`` of the ``parts`` (P,) of all patches: its
+    ``quantity``, the ``scale``, and ``spots`` (N,) as in ``Analysis``."""
 
     quantity: str
     scale: float
-    squares: Array
-    largest: bool = False
+    parts: Array
+    exponent: float
+    spots: Array
 
 
 def analysed(
@@ -176,19 +181,22 @@ def analysed(
     spots = [(checks.values(z) * residual).sum(axis=0) for z in adjoint]
     found = [_estimate(f, checks, s) for f, s in zip(functionals, spots, strict=True)]
     for norm in norms:
-        error = float(np.sqrt(norm.squares.max() if norm.largest else norm.squares.sum()))
+        error = float(np.linalg.norm(norm.parts, norm.exponent))
         estimate = Estimate(norm.quantity, "", norm.scale, error, norm.scale)
-        found.append((estimate, norm.squares / max(error * norm.scale, 1e-300)))
+        found.append((estimate, norm.parts / max(norm.scale, 1e-300)))
+    exponents = [1.0] * len(functionals) + [norm.exponent for norm in norms]
+    everywhere = [*map(abs, spots), *(norm.spots for norm in norms)]
     return Analysis(
         Accuracy(tuple(e for e, _ in found)), checks, np.array([s for _, s in found]),
-        np.array(spots).reshape(len(spots), len(checks.weights)), (*fields, *adjoint),
+        np.array(exponents), np.array(everywhere), (*fields, *adjoint),
     )  # fmt: skip
 
 
-def by_difference(analysis: Analysis, value: float, before: float | None) -> Analysis:
-    """The analysis of a quantity of which nothing is known but its ``value``, and the one on
-    coarser elements, ``before``: their difference, times ``SAFETY``, is the estimate."""
-    error = np.inf if before is None else SAFETY * abs(value - before)
+def by_difference(analysis: Analysis, values: Sequence[float]) -> Analysis:
+    """The analysis of a quantity of which nothing is known but its ``values``, one a round: the
+    last difference, times ``SAFETY``, is the estimate."""
+    value = values[-1]
+    error = SAFETY * abs(value - values[-2]) if len(values) > 1 else np.inf
     estimate = Estimate("the goal", "", value, float(error), abs(value))
     return replace(analysis, accuracy=Accuracy((estimate,)))
 

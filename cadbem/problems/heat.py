@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,7 +14,8 @@ from cadbem.errors import ConditionError
 from cadbem.operators.layers import collocation_targets
 from cadbem.operators.potentials import Potentials
 from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
-from cadbem.problems.estimates import Analysis
+from cadbem.problems.estimates import Analysis, by_difference
+from cadbem.problems.functionals import Goal
 from cadbem.problems.heat_accuracy import analyse_heat
 from cadbem.problems.heat_conditions import (
     SurfaceExchange,
@@ -51,13 +53,19 @@ class HeatProblem(HeatEquations):
         return problem_overview(self).html()
 
     def solve(
-        self, accuracy: float | None = None, *, most_points: int = MOST_POINTS
+        self,
+        accuracy: float | None = None,
+        *,
+        goal: Goal | Callable[[HeatSolution], float] | None = None,
+        most_points: int = MOST_POINTS,
     ) -> HeatSolution:
         """Temperature and heat flux on the boundary, from which all other fields follow.
 
         With an ``accuracy``, such as 1e-3, elements are chosen and refined until the estimated
         errors of heat rates and of the temperature in the mean square are below that share of
-        their size; see ``StokesProblem.solve``.
+        their size; or those of a ``goal``: "heat rates" for them alone, points (dim, M) for the
+        temperature there, or a function of the solution that gives a number.  See
+        ``StokesProblem.solve``.  Without an ``accuracy`` the patches are the elements.
 
         Solves c φ = (1/k) S q + D φ + (1/k) ∫ b G dV at the collocation points, c its
         ``free_term``, q = -k ∂φ/∂n with n into the body.
@@ -65,6 +73,7 @@ class HeatProblem(HeatEquations):
         whole("most_points", most_points)
         if accuracy is None:
             return self._solved()
+        values: list[float] = []
 
         def solve(boundary: Boundary) -> tuple[HeatSolution, Analysis]:
             rules = rules_for(self.quadrature, accuracy)
@@ -72,7 +81,10 @@ class HeatProblem(HeatEquations):
             finer = replace(self, boundary=boundary, quadrature=rules)
             solution = finer._solved()
             fields = solution.temperature, solution.flux
-            return solution, analyse_heat(finer, solution.system, *fields)
+            if not callable(goal):
+                return solution, analyse_heat(finer, solution.system, *fields, goal)
+            values.append(float(goal(solution)))
+            return solution, by_difference(analyse_heat(finer, solution.system, *fields), values)
 
         solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
         vars(solution)["accuracy"] = analysis.accuracy

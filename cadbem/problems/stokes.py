@@ -16,9 +16,10 @@ from cadbem.problems.adapting import MOST_POINTS, adapted, rules_for
 from cadbem.problems.conditions import Background, Condition, NoSlip
 from cadbem.problems.equations import StokesEquations
 from cadbem.problems.estimates import Analysis, by_difference, warn_if_doubtful
+from cadbem.problems.functionals import WALL_SHEAR, Goal
 from cadbem.problems.slenderness import warn_if_slender
 from cadbem.problems.solution import StokesSolution
-from cadbem.problems.stokes_accuracy import Goal, analyse
+from cadbem.problems.stokes_accuracy import analyse
 from cadbem.problems.straightness import warn_if_not_straight
 from cadbem.problems.summary import problem_overview
 from cadbem.quadrature import Rules
@@ -26,6 +27,7 @@ from cadbem.space import Field
 from cadbem.spline.basis import Array
 
 SHARED = ("space", "surfaces", "regions", "openings", "layers", "inner_pressure", "constraints")
+CHECKED = "openings_checked"  # what a problem keeps once it has warned of its openings
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,9 +77,7 @@ class StokesProblem(StokesEquations):
         c = 4π, or 2π in a plane.
         """
         whole("most_points", most_points)
-        bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
-        walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
-        warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
+        self._check_openings()
         if accuracy is not None:
             return self._adapted(accuracy, goal, most_points)
         begin = time.process_time()
@@ -89,10 +89,20 @@ class StokesProblem(StokesEquations):
             warn_if_doubtful(solution.accuracy)
         return solution
 
+    def _check_openings(self) -> None:
+        """Warn of openings that are not straight, once for all data."""
+        if CHECKED in vars(self):
+            return
+        vars(self)[CHECKED] = True
+        bodies = {i for s in self.surfaces if s.is_body for i in s.patches}
+        walls = [i for i, k in enumerate(self.kinds) if isinstance(k, NoSlip) and i not in bodies]
+        warn_if_not_straight(self.boundary, list(self.openings.values()), walls)
+
     def on(self, boundary: Boundary, quadrature: Rules | None = None) -> StokesProblem:
         """The same problem on other elements of the same faces, maybe with another quadrature."""
         finer = replace(self, boundary=boundary, quadrature=quadrature or self.quadrature)
-        vars(finer)["openings"] = self.openings  # the same rims, whatever the elements
+        # the same rims, whatever the elements
+        vars(finer).update({"openings": self.openings, CHECKED: True})
         return finer
 
     def flow(self) -> StokesSolution:
@@ -121,11 +131,11 @@ class StokesProblem(StokesEquations):
                 return solution, analyse(finer, *fields, self.background, goal)
             analysis = analyse(finer, *fields, self.background)
             values.append(float(finite("what goal returns", goal(solution))))
-            before = values[-2] if len(values) > 1 else None
-            return solution, by_difference(analysis, values[-1], before)
+            return solution, by_difference(analysis, values)
 
         begin = time.process_time()
-        solution, analysis = adapted(self.boundary, solve, accuracy, most_points)
+        pointwise = isinstance(goal, str) and goal == WALL_SHEAR
+        solution, analysis = adapted(self.boundary, solve, accuracy, most_points, pointwise)
         solution = replace(solution, seconds=time.process_time() - begin)
         vars(solution)["accuracy"] = analysis.accuracy
         return solution
@@ -143,8 +153,9 @@ class StokesProblem(StokesEquations):
                     f"'{name}' has {old!r} and cannot take {condition!r} with the same matrix; "
                     "make a new StokesProblem"
                 )
+        self._check_openings()
         other = replace(self, conditions={**self.conditions, **conditions})
-        vars(other).update({part: getattr(self, part) for part in SHARED})
+        vars(other).update({part: getattr(self, part) for part in SHARED}, **{CHECKED: True})
         vars(other)["system"] = self.system.with_data(other.splits)
         return other
 

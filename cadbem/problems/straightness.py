@@ -38,7 +38,7 @@ def warn_if_not_straight(
                 f"for granted; make the channel longer: cb.extended(channel, '{port.name}', "
                 f"{2 * _width(port):.3g})",
                 AccuracyWarning,
-                stacklevel=3,
+                stacklevel=4,
             )
 
 
