@@ -244,7 +244,7 @@ class Boundary:
         if size is not None:
             positive("size", size)
         if levels is not None:
-            whole("levels", levels, 1, MOST_LEVELS)
+            whole("levels", levels, 0, MOST_LEVELS)
         rule = edge_rule(levels, ratio, size, toward)
         return self._mapped(lambda s: s.inserted(rule(s)))
 

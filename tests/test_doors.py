@@ -139,7 +139,7 @@ DOORS: dict[str, Door] = {
         "elements": COUNTS[:5] + COUNTS[6:]}),
     "Boundary.elevated": (lambda **w: channel().elevated(**w), {"degree": (*COUNTS, 1000)}),
     "Boundary.graded": (lambda **w: channel().graded(**{"levels": 2} | w), {
-        "levels": COUNTS[:5] + COUNTS[6:], "ratio": (*SHARES, 1.0)}),
+        "levels": (*NOT_FINITE[:5], 1j, -1, 2.5), "ratio": (*SHARES, 1.0)}),
     "Boundary.transformed": (lambda **w: channel().transformed(**{"matrix": np.eye(3)} | w), {
         "matrix": (1.0, np.eye(2), np.diag([1.0, 1.0, -1.0]), np.full((3, 3), np.nan), "x"),
         "shift": VECTORS}),
