@@ -24,12 +24,14 @@ Selector = str | int | Sequence[int] | Sequence[float] | Predicate
 class Patch:
     """One smooth NURBS patch; its normal (see ``surface_points``) points into the fluid.
 
-    ``name`` groups patches for conditions; ``face`` is the 1-based number of the CAD face.
+    ``name`` groups patches for conditions; ``face`` is the 1-based number of the CAD face. A
+    ``port`` was found as an opening when the file was read: it is no wall, whatever the rest is.
     """
 
     surface: Nurbs
     name: str = ""
     face: int = 0
+    port: bool = False
 
     def middle(self) -> SurfacePoints:
         """The point in the middle of the parameter domain."""
@@ -70,7 +72,7 @@ class Boundary:
         return self.patches[0].surface.dimension
 
     def named(self, rest: str | None = None, **selectors: Selector) -> Boundary:
-        """Give names to patches; those not selected keep theirs, or become ``rest``.
+        """Give names to patches; those not selected keep theirs, or become ``rest`` (ports do not).
 
         A selector is an existing name, a CAD face number or several, a point on the face, or a
         predicate ``f(position, normal) -> bool`` that is evaluated in the middle of each patch.
@@ -86,7 +88,7 @@ class Boundary:
                     )
                 chosen[index] = name
         patches = [
-            replace(p, name=chosen.get(i, p.name if rest is None else rest))
+            replace(p, name=chosen.get(i, p.name if rest is None or p.port else rest))
             for i, p in enumerate(self.patches)
         ]
         return replace(self, patches=tuple(patches))

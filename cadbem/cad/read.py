@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from warnings import warn
@@ -9,6 +10,7 @@ from warnings import warn
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.body.between import Pick
 from cadbem.cad.body.crossings import find_crossing
 from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.body.witness import disagreements
@@ -25,6 +27,7 @@ def read_cad(
     path: str | Path,
     *,
     fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
     time_limit: float = 60.0,
@@ -44,6 +47,13 @@ def read_cad(
       If there are several such rooms, "void 1", "void 2", ...: large ones first. Where no mouth is
       found it is the room that solids leave of the box of their corners, with ports in its sides.
 
+    `between` picks mouths instead, and gives the room that they lead into: `("mouth 1", "mouth 2")`
+    as `inspect_cad` and messages number them (by x, y, z over the whole file), points (x, y, z) in
+    them, which also find rings that are no mouths by themselves, or numbers of faces round or
+    behind them. A mouth may lie on any face, at the end of any tube, in any of several solids that
+    touch. Caps are called mouth_1, ... by their numbers. Ports and mouths keep their names in
+    `named(rest=...)`.
+
     Coordinates are in the file's own unit, normals point into the fluid. Patches are called what
     the file calls their faces (`names="names"`: STEP's name of the face, IGES's entity label), by
     the face's layer or level (`names="layers"`) or by its colour, "#rrggbb" (`names="colours"`).
@@ -57,7 +67,7 @@ def read_cad(
     exactly one volume, and for faces that no way of laying patches covers.
     """
     with stage(f"reading {path}"):
-        model = open_model(path, time_limit, names, fluid)
+        model = open_model(path, time_limit, names, fluid, between)
         for warning in model.warnings:
             warn(warning, CadWarning, stacklevel=2)
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)

@@ -53,6 +53,13 @@ def _add_reading(parser: Parser) -> None:
         help="what the fluid is: solid (default), a solid's number or name, material, all, void",
     )
     parser.add_argument(
+        "--between",
+        nargs="+",
+        type=lambda text: int(text) if text.isdecimal() else text,
+        metavar="MOUTH",
+        help="the room between mouths of a chip, such as 'mouth 1' 'mouth 2', or face numbers",
+    )
+    parser.add_argument(
         "--names",
         choices=("names", "layers", "colours"),
         help="what faces are called by (default: names)",
@@ -67,7 +74,7 @@ def _add_reading(parser: Parser) -> None:
 
 def _reading(options: Options) -> dict[str, Any]:
     """The options of `read_cad` that were given."""
-    chosen = {key: getattr(options, key) for key in ("fluid", "names", "tolerance")}
+    chosen = {key: getattr(options, key) for key in ("fluid", "between", "names", "tolerance")}
     return {key: value for key, value in chosen.items() if value is not None}
 
 

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from cadbem.boundary import Patch
+from cadbem.cad.body.between import Pick
 from cadbem.cad.body.defects import APART, CROWDED, OPEN, TURNED, find_defects
 from cadbem.cad.body.fluid import choose_fluid, room_of
 from cadbem.cad.body.sizes import assumed_unit, unusual_size
@@ -51,6 +53,7 @@ class CadModel:
     refusals: tuple[str, ...] = ()  # what in the file contradicts itself
     bodies: tuple[int, ...] = ()  # solids of the record (from 1) that are the fluid
     caps: frozenset[int] = frozenset()  # numbers of faces that the file does not have
+    ports: frozenset[int] = frozenset()  # numbers of faces that are openings
 
     def patches(self, face: BrepFace, tolerance: float) -> tuple[list[Patch], float]:
         """The face's patches and their largest deviation from it, in the file's unit.
@@ -59,12 +62,13 @@ class CadModel:
         Raises CadError if there is no way to lay them.
         """
         name, scale = self.names.get(face.number, ""), self.unit.millimetres
+        port = face.number in self.ports
         try:
             covering = face_patches(face, tolerance)
         except CadError as error:
             raise CadError(f"{self.label(face)} cannot become patches: {error}") from None
         patches = [
-            Patch(replace(surface, points=surface.points / scale), name, face.number)
+            Patch(replace(surface, points=surface.points / scale), name, face.number, port)
             for surface in covering.surfaces
         ]
         return patches, covering.deviation / scale
@@ -128,20 +132,24 @@ class CadModel:
 
 
 def open_model(
-    path: str | Path, time_limit: float, names: str = "names", fluid: int | str = "solid"
+    path: str | Path,
+    time_limit: float,
+    names: str = "names",
+    fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
 ) -> CadModel:
     """Read a STEP or IGES file and find its faces; `names` says what they are called by, `fluid`
-    what they enclose.
+    or `between` what they enclose.
 
     Raises CadError if the file cannot be read, has no faces, or is absurdly small or large.
     """
     check_choice(names)
-    room = room_of(fluid)
+    room = "all" if len(between) else room_of(fluid)
     source = read_source(path)
     unit, labels, remarks = _text_marks(source)
     kernel = import_model(source, time_limit, "all" if room == "void" else room)
     everything = read_brep(kernel.brep) if kernel.faces else []
-    found = choose_fluid(source, unit, kernel, everything, fluid) if everything else None
+    found = choose_fluid(source, unit, kernel, everything, fluid, between) if everything else None
     if room == "void" and not (found and found.faces):  # no mouths: the room in the solids' box
         kernel, found = import_model(source, time_limit, room), None
     if kernel.box and kernel.faces == 0:
@@ -156,7 +164,7 @@ def open_model(
     points = [edge_points(face) for face in everything]
     extent = np.reshape(kernel.box, (2, 3)) if kernel.box else np.concatenate(points)
     _check_unit(source.name, unit, labels, extent)
-    found = found or choose_fluid(source, unit, kernel, everything, fluid)
+    found = found or choose_fluid(source, unit, kernel, everything, fluid, between)
     faces = found.faces
     doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_labels(labels, list(faces), unit)
@@ -169,7 +177,7 @@ def open_model(
     called = chosen(matched, names) | found.ports
     return CadModel(
         source.name, unit, faces, called, kernel, matched, tuple(warnings), found.question,
-        tuple(refusals), found.bodies, found.caps,
+        tuple(refusals), found.bodies, found.caps, frozenset(found.ports),
     )  # fmt: skip
 
 
