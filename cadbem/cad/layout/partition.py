@@ -14,9 +14,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.cad.layout.cuts import best_cuts
+from cadbem.cad.layout.necks import without_necks
 from cadbem.cad.layout.parts import POOR, Part, collapsed, four_sided
 from cadbem.cad.layout.patterns import patterns
 from cadbem.cad.layout.region import Region
+from cadbem.cad.layout.short_edges import without_short_edges
 from cadbem.cad.layout.tips import without_tips
 
 DRAWN = 0.2  # quality above which a face that was drawn with four sides is left whole
@@ -43,7 +45,12 @@ def divided(region: Region) -> list[Part] | None:
     whole = collapsed(region.loops[0]) if len(region.loops) == 1 else None
     if whole and whole.quality >= DRAWN:
         return [whole]
-    parts, rest = without_tips(region)
+    parts: list[Part] = []
+    rest = without_necks(region)
+    for rule in (without_tips, without_short_edges):
+        cut = [rule(left) for left in rest]
+        parts += [part for found, _ in cut for part in found]
+        rest = [left for _, remaining in cut for left in remaining]
     for left in rest:
         found = _divided(left, _Search(TRIALS), MOST_PARTS)
         if not found:
