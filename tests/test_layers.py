@@ -35,7 +35,10 @@ WINGS = {
     "post": ("files", "style", "fields", "scene", "plane", "bodies", "channel", ""),
 }
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
-OWNERS = {"gmsh": "cad", "ezdxf": "cad", "gdstk": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}
+OWNERS = {
+    "gmsh": "cad", "ezdxf": "cad", "gdstk": "cad",
+    "pyvista": "post", "vtk": "post", "vtkmodules": "post",
+}  # fmt: skip
 FILES = {
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): path
     for path in PACKAGE.rglob("*.py")

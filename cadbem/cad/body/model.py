@@ -188,6 +188,9 @@ def file_unit(source: CadSource) -> Unit:
 
 def _text_marks(source: CadSource) -> tuple[Unit, list[FaceLabel], list[str]]:
     """Unit, faces and lines to warn with."""
+    if source.kind == "brep":  # it has no names, and no unit
+        unit = Unit("mm", 1.0, assumed=True)
+        return unit, [], assumed_unit(source.name, unit)
     try:
         text = StepText(source.text) if source.kind == "step" else IgesText(source.text)
         unit, labels = text.unit(), text.faces()
