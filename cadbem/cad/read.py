@@ -30,6 +30,7 @@ def read_cad(
     between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
+    sew: float = 0.0,
     time_limit: float = 60.0,
 ) -> Boundary:
     """NURBS patches of the solid in a STEP or IGES file; the fluid is inside.
@@ -60,14 +61,16 @@ def read_cad(
 
     Faces that fill a rectangle of their surface's parameters, and plane faces, become exact
     patches; other trimmed faces become splines that deviate from them by less than `tolerance`
-    times the face's size. `time_limit` in seconds bounds the CAD kernel's work. Warns with
-    CadWarning of what is unusual or had to be assumed.
+    times the face's size. Loose faces are sewn if they are no more apart than the file's digits
+    explain; `sew` (1e-4, say) is a wider gap, per size of the model, that may be sewn, too.
+    `time_limit` in seconds bounds the CAD kernel's work. Warns with CadWarning of what is unusual
+    or had to be assumed.
 
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
     exactly one volume, and for faces that no way of laying patches covers.
     """
     with stage(f"reading {path}"):
-        model = open_model(path, time_limit, names, fluid, between)
+        model = open_model(path, time_limit, names, fluid, between, sew)
         for warning in model.warnings:
             warn(warning, CadWarning, stacklevel=2)
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)

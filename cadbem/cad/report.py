@@ -91,6 +91,7 @@ def inspect_cad(
     between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
+    sew: float = 0.0,
     time_limit: float = 60.0,
 ) -> CadReport:
     """Describe a STEP or IGES file, also one that `read_cad` refuses; arguments as there.
@@ -98,7 +99,8 @@ def inspect_cad(
     Raises CadError only if the file cannot be read at all or has no faces.
     """
     survey = survey_cad(
-        path, fluid=fluid, between=between, names=names, tolerance=tolerance, time_limit=time_limit
+        path, fluid=fluid, between=between, names=names, tolerance=tolerance, sew=sew,
+        time_limit=time_limit,
     )
     model = survey.model
     label = f"{model.file}: measures"

@@ -46,13 +46,14 @@ def survey_cad(
     between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
+    sew: float = 0.0,
     time_limit: float = 60.0,
 ) -> CadSurvey:
     """Try to lay patches on every face of a STEP or IGES file; arguments as for `read_cad`.
 
     Raises CadError only if the file cannot be read at all or has no faces.
     """
-    model = open_model(path, time_limit, names, fluid, between)
+    model = open_model(path, time_limit, names, fluid, between, sew)
     patches: dict[int, list[Patch]] = {}
     deviations: dict[int, float] = {}
     refused: dict[int, str] = {}

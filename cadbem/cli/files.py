@@ -70,11 +70,15 @@ def _add_reading(parser: Parser) -> None:
         metavar="SHARE",
         help="deviation allowed from curved trimmed faces, per size of the face (default: 1e-6)",
     )
+    parser.add_argument(
+        "--sew", type=positive, metavar="SHARE", help="gap that may be sewn, per size of the model"
+    )
 
 
 def _reading(options: Options) -> dict[str, Any]:
     """The options of `read_cad` that were given."""
-    chosen = {key: getattr(options, key) for key in ("fluid", "between", "names", "tolerance")}
+    keys = ("fluid", "between", "names", "tolerance", "sew")
+    chosen = {key: getattr(options, key) for key in keys}
     return {key: value for key, value in chosen.items() if value is not None}
 
 

@@ -14,10 +14,11 @@ from cadbem.cad.body.material import material_of, without_doubles
 from cadbem.cad.body.orientation import Shell, shells_of
 from cadbem.cad.body.ports import Ports
 from cadbem.cad.body.rooms import Fluid, void_room
+from cadbem.cad.body.sheets import names_by_sheets
 from cadbem.cad.faces.face_geometry import edge_points
 from cadbem.cad.kernel.brep import BrepFace
 from cadbem.cad.kernel.process import KernelModel
-from cadbem.cad.labels.step_solids import shell_names, solid_names
+from cadbem.cad.labels.step_solids import sheet_names, shell_names, solid_names
 from cadbem.cad.text.source import CadSource
 from cadbem.cad.text.unit import Unit
 from cadbem.errors import CadError
@@ -93,7 +94,11 @@ def choose_fluid(
         return chooser.without_solid(loose, fluid)
     stray = [*loose, *(face for face in faces if not face.outward)]
     found = chooser.chosen(fluid)
-    return replace(found, warnings=(*found.warnings, *chooser.left_out(stray)))
+    said = sheet_names(source, stray, unit) if stray else {}
+    said = {number: name for number, name in said.items() if not _UNSAID.fullmatch(name)}
+    named, left = names_by_sheets(found.faces, stray, said)
+    warnings = (*found.warnings, *chooser.left_out(left, said))
+    return replace(found, warnings=warnings, sheets=named)
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,7 +154,7 @@ class _Chooser:
 
     def _one(self, body: _Body) -> Fluid:
         faces, doubled = without_doubles(body.faces)
-        return Fluid(faces, warnings=self.left_out(doubled), bodies=(body.number,))
+        return Fluid(faces, warnings=self.left_out(doubled, {}), bodies=(body.number,))
 
     def _together(self, bodies: list[_Body]) -> Fluid:
         faces = without_doubles(face for body in bodies for face in body.faces)[0]
@@ -249,16 +254,18 @@ class _Chooser:
             )
         return "; ".join(words) + ("; ..." if len(bodies) > LISTED else "")
 
-    def left_out(self, faces: Sequence[BrepFace]) -> tuple[str, ...]:
-        """A line on faces that do not bound the fluid."""
+    def left_out(self, faces: Sequence[BrepFace], names: dict[int, str]) -> tuple[str, ...]:
+        """A line on faces that do not bound the fluid, with the names that some of them have."""
         if not faces:
             return ()
+        said = sorted({names[face.number] for face in faces if face.number in names})
+        called = f" {', '.join(map(repr, said))}, which names no face" * bool(said)
         points = edge_points(faces[0]) / self.unit.millimetres
         place = ", ".join(f"{x:.4g}" for x in _rounded(points.min(axis=0), points.max(axis=0)))
         count = "1 face bounds" if len(faces) == 1 else f"{len(faces)} faces bound"
         return (
             f"{self.file}: {count} no volume (a sheet inside or beside it), the first about "
-            f"[{place}] {self.unit.name}: left out",
+            f"[{place}] {self.unit.name}: left out{called}",
         )
 
 

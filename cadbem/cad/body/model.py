@@ -10,7 +10,7 @@ import numpy as np
 
 from cadbem.boundary import Patch
 from cadbem.cad.body.between import Pick
-from cadbem.cad.body.defects import APART, CROWDED, OPEN, TURNED, find_defects
+from cadbem.cad.body.defects import APART, CROWDED, OPEN, TURNED, Defect, find_defects, widest_gap
 from cadbem.cad.body.fluid import choose_fluid, room_of
 from cadbem.cad.body.sizes import assumed_unit, unusual_size
 from cadbem.cad.faces.consistency import contradictions, sewing_gaps
@@ -27,6 +27,7 @@ from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
 SMALLEST, LARGEST = 1e-4, 1e8  # sizes in mm; the kernel takes points within 1e-7 mm for the same
+WIDEST = 5e-4  # gap, per size, that may be sewn on request
 _COMPLAINTS = {  # number of edges and place of the first; what to do
     OPEN: (
         "the faces leave openings: {} edges belong to one face only, the first at {}",
@@ -118,8 +119,19 @@ class CadModel:
                 place = self.place(found[0].place() / self.unit.millimetres)
                 said = words.format(len(found), place)
                 sheet = ", or read a plane sketch by read_outline" * (len(self.faces) == 1)
-                lines.append(f"{self.file}: {said}; {remedy}{sheet}")
+                apart = self._gap(found) if reason in (OPEN, APART) else ""
+                lines.append(f"{self.file}: {said}{apart}; {remedy}{sheet}")
         return lines
+
+    def _gap(self, defects: Sequence[Defect]) -> str:
+        """How far open edges are from each other, and the remedy; "" if they are far."""
+        gap, size = widest_gap(defects), size_of(*self.faces)
+        if not 0 < gap <= WIDEST * size:
+            return ""
+        digit = 10.0 ** np.floor(np.log10(1.1 * gap / size))
+        share = min(WIDEST, digit * np.ceil(1.1 * gap / size / digit))
+        words = f"{gap / self.unit.millimetres:.2g} {self.unit.name} ({gap / size:.1g} of the size)"
+        return f": they are up to {words} apart, and sew={share:g} joins them"
 
     def defective_faces(self) -> dict[int, str]:
         """The defects of faces that leave the surface open or ambiguous, by number."""
@@ -137,21 +149,24 @@ def open_model(
     names: str = "names",
     fluid: int | str = "solid",
     between: Sequence[Pick] = (),
+    sew: float = 0.0,
 ) -> CadModel:
     """Read a STEP or IGES file and find its faces; `names` says what they are called by, `fluid`
-    or `between` what they enclose.
+    or `between` what they enclose, `sew` which gaps may be closed.
 
     Raises CadError if the file cannot be read, has no faces, or is absurdly small or large.
     """
     check_choice(names)
+    if not 0 <= sew <= WIDEST:
+        raise CadError(f"sew={sew!r}: give a gap per size of the model, at most {WIDEST:g}")
     room = "all" if len(between) else room_of(fluid)
     source = read_source(path)
     unit, labels, remarks = _text_marks(source)
-    kernel = import_model(source, time_limit, "all" if room == "void" else room)
+    kernel = import_model(source, time_limit, "all" if room == "void" else room, sew)
     everything = read_brep(kernel.brep) if kernel.faces else []
     found = choose_fluid(source, unit, kernel, everything, fluid, between) if everything else None
     if room == "void" and not (found and found.faces):  # no mouths: the room in the solids' box
-        kernel, found = import_model(source, time_limit, room), None
+        kernel, found = import_model(source, time_limit, room, sew), None
     if kernel.box and kernel.faces == 0:
         raise CadError(f"{source.name}: the solids fill their box, there is no void in them")
     if kernel.faces == 0:
@@ -174,7 +189,8 @@ def open_model(
     warnings = [
         *remarks, *healed, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
     ]  # fmt: skip
-    called = chosen(matched, names) | found.ports
+    marked = found.sheets if names == "names" else {}
+    called = chosen(matched, names) | marked | found.ports
     return CadModel(
         source.name, unit, faces, called, kernel, matched, tuple(warnings), found.question,
         tuple(refusals), found.bodies, found.caps, frozenset(found.ports),

@@ -25,8 +25,9 @@ class Fluid:
     """The faces round the fluid, normals (`outward` times ∂u × ∂v) out of it.
 
     If the file leaves a choice, `question` asks for it and `faces` are those of all candidates.
-    `ports` are names of faces by number; `bodies` the solids of the record that are the fluid, ()
-    if it is a room between them; `caps` the numbers of faces that no solid has.
+    `ports` are names of faces by number, `sheets` those that sheets on faces give them; `bodies`
+    the solids of the record that are the fluid, () if it is a room between them; `caps` the numbers
+    of faces that no solid has.
     """
 
     faces: tuple[BrepFace, ...]
@@ -35,6 +36,7 @@ class Fluid:
     warnings: tuple[str, ...] = ()
     bodies: tuple[int, ...] = ()
     caps: frozenset[int] = frozenset()
+    sheets: dict[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
