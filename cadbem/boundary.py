@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from cadbem.errors import SelectionError
 from cadbem.overviews import boundary_overview
-from cadbem.points import SurfacePoints, join, surface_points
+from cadbem.points import SurfacePoints, gauss_measures, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.refinement import Predicate, Size, count_rule, edge_rule, size_rule, spans_rule
 from cadbem.spline.basis import Array
@@ -236,12 +236,16 @@ class Boundary:
 
     def area(self, order: int = 16) -> float:
         """Area (or length, in 2D) in the square (first power) of the unit."""
-        return float(self.quadrature(order)[1].sum())
+        _, normal, weights = self._measures(order)
+        return float(np.linalg.norm(normal, axis=0) @ weights)
 
     def volume(self, order: int = 16) -> float:
         """Volume (area) of the fluid, -∮ x·n dS / dim with n into the fluid; negative if the
         boundary's normals point out of what it encloses."""
-        points, weights = self.quadrature(order)
+        position, normal, weights = self._measures(order)
         centre = self.bounds().mean(axis=0)[:, None]
-        flux = ((points.position - centre) * points.normal).sum(axis=0)
+        flux = ((position - centre) * normal).sum(axis=0)
         return -float(flux @ weights) / self.dimension
+
+    def _measures(self, order: int) -> tuple[Array, Array, Array]:
+        return gauss_measures([p.surface for p in self.patches], order)

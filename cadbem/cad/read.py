@@ -16,6 +16,7 @@ from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.body.witness import disagreements
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.errors import CadError, CadWarning
+from cadbem.points import gauss_measures
 from cadbem.progress import progress, stage
 
 OPEN = 1e-4  # |∮ n dS| / area above which patches do not enclose a volume
@@ -86,16 +87,16 @@ def oriented(boundary: Boundary) -> Boundary:
 
     Raises CadError if the patches do not close or enclose nothing.
     """
-    points, weights = boundary.quadrature(ORDER)
-    area = float(weights.sum())
-    opening = float(np.linalg.norm(points.normal @ weights)) / area
+    position, normal, weights = gauss_measures([p.surface for p in boundary.patches], ORDER)
+    area = float(np.linalg.norm(normal, axis=0) @ weights)
+    opening = float(np.linalg.norm(normal @ weights)) / area
     if opening > OPEN:
         raise CadError(
             f"{boundary.source}: the faces do not close: |∮ n dS| / area = {opening:.1e}; "
             "check the model for missing, doubled or turned faces"
         )
-    arm = points.position - points.position.mean(axis=1)[:, None]
-    volume = -float((arm * points.normal).sum(axis=0) @ weights) / 3
+    arm = position - position.mean(axis=1)[:, None]
+    volume = -float((arm * normal).sum(axis=0) @ weights) / 3
     if abs(volume) < HOLLOW * area**1.5:
         raise CadError(f"{boundary.source}: the faces enclose no volume; export a solid")
     if volume > 0:

@@ -10,6 +10,7 @@ meet corner to corner.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -23,6 +24,9 @@ from cadbem.cad.layout.tips import without_tips
 
 DRAWN = 0.2  # quality above which a face that was drawn with four sides is left whole
 GOOD = 0.5  # quality above which fewer parts are better than better ones
+SAME = 1e-10  # distance, per size, within which regions are the same
+ENDS = np.array([0.0, 0.31, 0.5, 1.0])  # fractions of trims that are compared
+REMEMBERED = 16  # regions whose division is kept
 PATCH_COST = 0.02  # quality that one more patch must gain
 BRANCHES = 4
 TRIALS = 16  # regions that are cut while looking for better ways
@@ -37,11 +41,35 @@ class _Search:
     trials: int
 
 
+class _Figure:
+    """A region as a key: regions of the same figure, as of a floor and the ceiling over it, are
+    divided alike."""
+
+    def __init__(self, region: Region) -> None:
+        self.region = region
+        ends = [trim.points(ENDS).T.ravel() for trim in region.trims]
+        grid = SAME * max(region.size, 1e-300)
+        self._key = tuple(sorted(map(tuple, np.round(np.array(ends) / grid).tolist())))
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Figure) and self._key == other._key
+
+
 def divided(region: Region) -> list[Part] | None:
     """Parts that fill the region, or None if no way was found.
 
     Every part covers its area once: its quality is at least `POOR`.
     """
+    found = _divided_once(_Figure(region))
+    return None if found is None else list(found)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _divided_once(figure: _Figure) -> list[Part] | None:
+    region = figure.region
     whole = collapsed(region.loops[0]) if len(region.loops) == 1 else None
     if whole and whole.quality >= DRAWN:
         return [whole]
