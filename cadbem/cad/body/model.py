@@ -20,6 +20,7 @@ from cadbem.cad.kernel.process import KernelModel, import_model
 from cadbem.cad.labels.face_labels import FaceLabel, check_choice, chosen, match_labels
 from cadbem.cad.labels.iges_labels import IgesText
 from cadbem.cad.labels.step_labels import StepText
+from cadbem.cad.layout.causes import likely_cause
 from cadbem.cad.layout.face_patches import face_patches
 from cadbem.cad.text.source import CadSource, read_source
 from cadbem.cad.text.unit import Unit
@@ -67,12 +68,27 @@ class CadModel:
         try:
             covering = face_patches(face, tolerance)
         except CadError as error:
-            raise CadError(f"{self.label(face)} cannot become patches: {error}") from None
+            cause = self._cause(face)
+            raise CadError(f"{self.label(face)} cannot become patches: {cause}{error}") from None
         patches = [
             Patch(replace(surface, points=surface.points / scale), name, face.number, port)
             for surface in covering.surfaces
         ]
         return patches, covering.deviation / scale
+
+    def _cause(self, face: BrepFace) -> str:
+        """What is odd about the face, in words for a message; "" if nothing is."""
+        cause = likely_cause(face)
+        if cause is None:
+            return ""
+        place = self.place(cause.place / self.unit.millimetres)
+        length = f"{cause.size / self.unit.millimetres:.2g} {self.unit.name}".rstrip()
+        words = {
+            "corner": f"it has a corner of {cause.size:.2g}°",
+            "gap": f"edges are only {length} apart",
+            "edge": f"it has an edge {length} long",
+        }
+        return f"{words[cause.kind]} at {place}; "
 
     def relaxed(self, face: BrepFace, deviation: float, tolerance: float) -> list[str]:
         """A line to warn with if a face's patches deviate (file's unit) by more than the

@@ -48,8 +48,9 @@ class _Figure:
     def __init__(self, region: Region) -> None:
         self.region = region
         ends = [trim.points(ENDS).T.ravel() for trim in region.trims]
-        grid = SAME * max(region.size, 1e-300)
-        self._key = tuple(sorted(map(tuple, np.round(np.array(ends) / grid).tolist())))
+        grid = SAME * 10.0 ** np.ceil(np.log10(max(region.size, 1e-300)))
+        rounded = np.round(np.array(ends) / grid).tolist()
+        self._key = (grid, *sorted(map(tuple, rounded)))
 
     def __hash__(self) -> int:
         return hash(self._key)
