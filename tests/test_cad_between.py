@@ -1,6 +1,6 @@
 """The room between mouths that are picked: `between=` of read_cad, and what info says of chips."""
 
-from math import pi
+from math import asin, pi, sqrt
 from pathlib import Path
 
 import gmsh
@@ -170,3 +170,26 @@ def test_info_tells_chips_from_fluids(folder: Path, capsys: pytest.CaptureFixtur
     gmsh.clear()
     occ.cut([(3, occ.addBox(0, 0, 0, 9, 4, 1))], [(3, occ.addCylinder(4, 2, 0, 0, 0, 1, 0.5))])
     assert inspect_cad(exported(folder / "pillar.step")).remarks == ()
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+@pytest.mark.parametrize("angle", [0.0, 0.1, 1.0, 3.0])
+def test_a_hole_in_the_side_of_a_tube(folder: Path, angle: float, suffix: str):
+    """A tube of radii 0.5 and 1, 4 long, with a square hole of 0.6 through its side, wherever the
+    seam of the tube is. The hole runs from x = (1/4 - y²)^½ to (1 - y²)^½ for |y| < 0.3, times 0.6:
+    V = π + 0.6 (F(1) - F(1/2)) with F(r) = 0.3 (r² - 0.09)^½ + r² asin(0.3 / r); the lid is
+    0.6 · 2 asin(0.3)."""
+    bore = [(3, occ.addCylinder(0, 0, 0, 0, 0, 4, 0.5))]
+    hole = [(3, occ.addBox(0, -0.3, 1.7, 2, 0.6, 0.6))]
+    occ.rotate(hole, 0, 0, 0, 0, 0, 1, angle)
+    occ.cut([(3, occ.addCylinder(0, 0, 0, 0, 0, 4, 1))], occ.fuse(bore, hole)[0])
+    boundary = read_cad(exported(folder / f"tube{suffix}"), fluid="void")
+
+    def primitive(r: float) -> float:
+        return 0.3 * sqrt(r * r - 0.09) + r * r * asin(0.3 / r)
+
+    expected = pi + 0.6 * (primitive(1) - primitive(0.5))
+    assert boundary.volume() == pytest.approx(expected, rel=2e-6)
+    assert sorted(areas(boundary).values()) == pytest.approx(
+        [1.2 * asin(0.3), pi / 4, pi / 4], rel=2e-6
+    )

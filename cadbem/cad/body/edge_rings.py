@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.cad.faces.face_geometry import edge_points, plane_of, points_on, real_uses
+from cadbem.cad.faces.wraps import parameter_loop
 from cadbem.cad.kernel.brep import BrepFace, EdgeUse
 from cadbem.cad.kernel.brep_geometry import PLANE
 from cadbem.spline.basis import Array
@@ -137,18 +138,21 @@ def _same_plane(face: BrepFace, other: BrepFace, near: float) -> bool:
 
 
 def _loops(faces: Sequence[BrepFace], group: list[int], near: float) -> list[list[Pass]]:
-    """The holes of a group of faces: the outer loop is the largest."""
-    if len(group) == 1:
-        loops = [[Pass(group[0], use) for use in loop] for loop in faces[group[0]].loops]
-        loops = [loop for loop in loops if all(item.use.curve is not None for item in loop)]
-    else:
-        passes = [Pass(k, use) for k in group for use in real_uses(faces[k])]
-        counts = Counter(item.use.key for item in passes)
-        loops = chained(faces, [item for item in passes if counts[item.use.key] == 1], near)
-    if len(loops) < 2:
-        return []
+    """The holes of a group of faces."""
+    passes = [Pass(k, use) for k in group for use in real_uses(faces[k])]
+    counts = Counter(item.use.key for item in passes)
+    loops = chained(faces, [item for item in passes if counts[item.use.key] == 1], near)
+    if faces[group[0]].surface.kind != PLANE:
+        return [loop for loop in loops if _is_hole(faces[group[0]], loop)]
     sizes = [float(np.linalg.norm(np.ptp(EdgeRing(tuple(loop)).points, axis=0))) for loop in loops]
     return [loop for k, loop in enumerate(loops) if k != int(np.argmax(sizes))]
+
+
+def _is_hole(face: BrepFace, loop: list[Pass]) -> bool:
+    """Whether a loop of a curved face runs round a hole, not round the axis."""
+    uses = [item.use for item in (loop if face.outward > 0 else loop[::-1])]
+    around = parameter_loop(face, uses)
+    return around is not None and around.area < 0
 
 
 def chained(

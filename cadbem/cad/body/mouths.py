@@ -26,6 +26,7 @@ from cadbem.cad.faces.face_geometry import (
     real_uses,
     size_of,
 )
+from cadbem.cad.faces.wraps import filled, parameter_loop
 from cadbem.cad.kernel.brep import BrepFace, EdgeUse
 from cadbem.cad.kernel.brep_geometry import PLANE, SurfaceRecord
 from cadbem.spline.basis import Array
@@ -173,9 +174,10 @@ def _capped(
     if ring.is_flat(near):
         cap = _plane_cap(faces, passes, ring, key)
     elif len({p.face for p in passes}) == 1:
-        host = faces[passes[0].face]
-        around = tuple(replace(p.use, sign=-p.use.sign) for p in reversed(passes))
-        cap = replace(host, number=0, loops=(around,), key=key)
+        lid = _curved_cap(faces[passes[0].face], passes)
+        if lid is None:
+            return None
+        cap = replace(lid, key=key)
     else:
         return None
     return Mouth(hosts, walls, ring.keys, cap, ring.middle, ring.diameter)
@@ -207,6 +209,13 @@ def _plane_cap(
     x /= np.linalg.norm(x)
     frame = np.array([ring.middle, normal, x, np.cross(normal, x)])
     return BrepFace(0, 0, SurfaceRecord(PLANE, frame), np.eye(4), 1, (around,), key)
+
+
+def _curved_cap(host: BrepFace, passes: list[Pass]) -> BrepFace | None:
+    """The piece of the host's surface in its hole."""
+    around = [item.use for item in (passes if host.outward > 0 else passes[::-1])]
+    loop = parameter_loop(host, around)
+    return filled(host, loop) if loop is not None else None
 
 
 def _in_order(use: EdgeUse) -> Array:
