@@ -144,10 +144,11 @@ def _in_one_plane(blocks: _Blocks, first: np.ndarray, second: np.ndarray) -> np.
     points = blocks.points.reshape(*blocks.points.shape[:2], -1)
     corners = blocks.points[:, :, [0, -1, 0], [0, 0, -1]]
     normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
-    normals /= np.maximum(np.linalg.norm(normals, axis=1), 1e-300)[:, None]
+    lengths = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(lengths, 1e-300)[:, None]
     size = float(np.ptp(points, axis=(0, 2)).max())
     heights = np.einsum("nd,ndp->np", normals, points)
-    flat = np.ptp(heights, axis=1) < IN_PLANE * size
+    flat = (np.ptp(heights, axis=1) < IN_PLANE * size) & (lengths > IN_PLANE * size**2)
     level = np.einsum("nd,ndp->np", normals[first], points[second])
     off = np.abs(level - heights[first, :1]).max(axis=1)
     return flat[first] & flat[second] & (off < IN_PLANE * size)

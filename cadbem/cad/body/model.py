@@ -15,6 +15,7 @@ from cadbem.cad.body.fluid import choose_fluid, room_of
 from cadbem.cad.body.sizes import assumed_unit, unusual_size
 from cadbem.cad.faces.consistency import contradictions, sewing_gaps
 from cadbem.cad.faces.face_geometry import edge_points, shape_of, size_of
+from cadbem.cad.faces.reprojection import reprojected
 from cadbem.cad.kernel.brep import BrepFace, read_brep
 from cadbem.cad.kernel.process import KernelModel, import_model
 from cadbem.cad.labels.face_labels import FaceLabel, check_choice, chosen, match_labels
@@ -196,14 +197,18 @@ def open_model(
     extent = np.reshape(kernel.box, (2, 3)) if kernel.box else np.concatenate(points)
     _check_unit(source.name, unit, labels, extent)
     found = found or choose_fluid(source, unit, kernel, everything, fluid, between)
-    faces = found.faces
+    faces, renewed = reprojected(found.faces)
+    anew = (
+        f"{source.name}: healed: {renewed} edges, whose curves in a face's parameters were off it, "
+        "were projected to the face anew",
+    ) * bool(renewed)
     doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_labels(labels, list(faces), unit)
     healed = [f"{source.name}: healed: {line}" for line in kernel.healed]
     if kernel.sewn:
         healed += sewing_gaps(source.name, unit, faces)
     warnings = [
-        *remarks, *healed, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
+        *remarks, *healed, *anew, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
     ]  # fmt: skip
     marked = found.sheets if names == "names" else {}
     called = chosen(matched, names) | marked | found.ports
