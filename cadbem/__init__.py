@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from cadbem.cad import inspect_cad as inspect_cad
     from cadbem.cad import mesh_volume as mesh_volume
     from cadbem.cad import read_cad as read_cad
+    from cadbem.cad import read_layout as read_layout
     from cadbem.cad import read_outline as read_outline
     from cadbem.cad import write_patches as write_patches
     from cadbem.design.deformation_limit import ShearDeformation as ShearDeformation
@@ -159,7 +160,9 @@ __version__ = "0.1.0"
 
 _NAMES = {
     "boundary": ("Boundary", "Patch"),
-    "cad": ("inspect_cad", "mesh_volume", "read_cad", "read_outline", "write_patches"),
+    "cad": (
+        "inspect_cad", "mesh_volume", "read_cad", "read_layout", "read_outline", "write_patches",
+    ),
     "design.deformation_limit": ("ShearDeformation", "largest_capillary", "largest_deformation"),
     "design.fate": ("Fate", "droplet_fate", "droplet_fates", "fate_of", "fates_report"),
     "design.network": (

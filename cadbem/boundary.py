@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cadbem.checks import finite, instance, not_negative, positive, shaped, vector, whole
 from cadbem.errors import InputError, SelectionError, printable
 from cadbem.overviews import boundary_overview
-from cadbem.points import SurfacePoints, join, surface_points
+from cadbem.points import SurfacePoints, gauss_measures, join, surface_points
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.refinement import Predicate, Size, count_rule, edge_rule, size_rule, spans_rule
 from cadbem.spline.basis import Array
@@ -28,12 +28,14 @@ MOST_DEGREE, MOST_LEVELS, MOST_ORDER = 20, 100, 1000
 class Patch:
     """One smooth NURBS patch; its normal (see ``surface_points``) points into the fluid.
 
-    ``name`` groups patches for conditions; ``face`` is the 1-based number of the CAD face.
+    ``name`` groups patches for conditions; ``face`` is the 1-based number of the CAD face. A
+    ``port`` was found as an opening when the file was read: it is no wall, whatever the rest is.
     """
 
     surface: Nurbs
     name: str = ""
     face: int = 0
+    port: bool = False
 
     def __post_init__(self) -> None:
         instance("surface", self.surface, Nurbs, "a Nurbs curve or surface")
@@ -93,7 +95,7 @@ class Boundary:
         return self.patches[0].surface.dimension
 
     def named(self, rest: str | None = None, **selectors: Selector) -> Boundary:
-        """Give names to patches; those not selected keep theirs, or become ``rest``.
+        """Give names to patches; those not selected keep theirs, or become ``rest`` (ports do not).
 
         A selector is an existing name, a CAD face number or several, a point on the face, or a
         predicate ``f(position, normal) -> bool`` that is evaluated in the middle of each patch.
@@ -109,7 +111,7 @@ class Boundary:
                     )
                 chosen[index] = name
         patches = [
-            replace(p, name=chosen.get(i, p.name if rest is None else rest))
+            replace(p, name=chosen.get(i, p.name if rest is None or p.port else rest))
             for i, p in enumerate(self.patches)
         ]
         return replace(self, patches=tuple(patches))
@@ -272,12 +274,16 @@ class Boundary:
 
     def area(self, order: int = 16) -> float:
         """Area (or length, in 2D) in the square (first power) of the unit."""
-        return float(self.quadrature(order)[1].sum())
+        _, normal, weights = self._measures(order)
+        return float(np.linalg.norm(normal, axis=0) @ weights)
 
     def volume(self, order: int = 16) -> float:
         """Volume (area) of the fluid, -∮ x·n dS / dim with n into the fluid; negative if the
         boundary's normals point out of what it encloses."""
-        points, weights = self.quadrature(order)
+        position, normal, weights = self._measures(order)
         centre = self.bounds().mean(axis=0)[:, None]
-        flux = ((points.position - centre) * points.normal).sum(axis=0)
+        flux = ((position - centre) * normal).sum(axis=0)
         return -float(flux @ weights) / self.dimension
+
+    def _measures(self, order: int) -> tuple[Array, Array, Array]:
+        return gauss_measures([p.surface for p in self.patches], order)

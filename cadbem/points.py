@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from cadbem.spline.basis import Array
+from cadbem.quadrature.gauss import gauss_on_breaks
+from cadbem.spline.basis import Array, basis_matrices
 from cadbem.spline.nurbs import Nurbs
 
 
@@ -86,3 +88,49 @@ def join(parts: list[SurfacePoints]) -> SurfacePoints:
         np.concatenate([p.jacobian for p in parts], axis=-1),
         np.concatenate([p.tangents for p in parts], axis=-1),
     )
+
+
+def gauss_measures(splines: Sequence[Nurbs], order: int) -> tuple[Array, Array, Array]:
+    """Gauss points (dim, N) of all splines, ``order`` a direction in each element, spline by
+    spline; normals (dim, N), as long as the Jacobian; weights (N,) of the parameters.
+
+    Splines with the same knots, up to their scale, are evaluated together.
+    """
+    groups: dict[tuple, list[int]] = {}
+    for index, spline in enumerate(splines):
+        relative = [np.round((k - k[0]) / (k[-1] - k[0]), 12).tobytes() for k in spline.knots]
+        key = (spline.degrees, spline.dimension, *relative)
+        groups.setdefault(key, []).append(index)
+    found: list[tuple[Array, Array, Array]] = [(np.empty(0),) * 3] * len(splines)
+    for indices in groups.values():
+        *fields, weights = _measures_together([splines[i] for i in indices], order)
+        for index, position, normal in zip(indices, *fields, strict=True):
+            found[index] = position, normal, weights
+    position, normal, weight = (np.concatenate(part, axis=-1) for part in zip(*found, strict=True))
+    return position, normal, weight
+
+
+def _measures_together(splines: list[Nurbs], order: int) -> tuple[Array, Array, Array]:
+    """Positions and normals (splines, dim, N) and weights (N,) over parameters from 0 to 1."""
+    control = np.stack([spline.homogeneous for spline in splines])
+    values, rules = [], []
+    for degree, knots in zip(splines[0].degrees, splines[0].knots, strict=True):
+        scaled = (knots - knots[0]) / (knots[-1] - knots[0])
+        nodes, weights = gauss_on_breaks(order, np.unique(scaled))
+        values.append(basis_matrices(degree, scaled, nodes, 1))
+        rules.append(weights)
+    kinds = [(0,), (1,)] if len(rules) == 1 else [(0, 0), (1, 0), (0, 1)]
+    point, *slopes = (_applied(control, [v[k] for v, k in zip(values, kind, strict=True)])
+                      for kind in kinds)  # fmt: skip
+    position = point[:, :-1] / point[:, -1:]
+    tangents = [(s[:, :-1] - s[:, -1:] * position) / point[:, -1:] for s in slopes]
+    normal = area_vector(*(tangent.swapaxes(0, 1) for tangent in tangents)).swapaxes(0, 1)
+    weights = rules[0] if len(rules) == 1 else np.multiply.outer(*rules).ravel()
+    return position, normal, weights
+
+
+def _applied(control: Array, matrices: list[Array]) -> Array:
+    """Control points (splines, n_1[, n_2], dim + 1) by matrices (m, n): (splines, dim + 1, M)."""
+    for matrix in matrices:  # the axis goes to the end, and the next one comes up
+        control = np.tensordot(control, matrix, axes=(1, 1))
+    return control.reshape(len(control), control.shape[1], -1)

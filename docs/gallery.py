@@ -90,6 +90,52 @@ def flow():
     cb.draw_flow(solution, "flow.png", units=u)
 
 
+def pdms():
+    """The room in a chip: a PDMS block with punched wells, on glass
+
+    `between=` picks mouths by number, as `cadbem info` lists them, by a point, or by a face; block
+    and slide close the channel together.
+    """
+    chip = "geometries/chips/pdms_block.step"
+    room = cb.read_cad(chip, between=((1, 2, 2), (5, 2, 2))).named(rest="walls")
+    ends = {"mouth_1": cb.Inflow(mean_velocity=1.0), "mouth_2": cb.Pressure(0.0)}
+    solution = cb.StokesProblem(room, 1.0, ends | {"walls": cb.NoSlip()}).solve(accuracy=3e-2)
+    cb.draw_flow(solution, "pdms.png")
+
+
+def luer():
+    """A Luer hub with a stub"""
+    room = cb.read_cad("geometries/chips/luer.step", between=("mouth 1", "mouth 2"))
+    room = room.named(rest="walls")
+    ends = {"mouth_2": cb.Inflow(mean_velocity=1.0), "mouth_1": cb.Pressure(0.0)}
+    solution = cb.StokesProblem(room, 1.0, ends | {"walls": cb.NoSlip()}).solve(accuracy=3e-2)
+    cb.draw_flow(solution, "luer.png")
+
+
+def manifold():
+    """A manifold of three bodies
+
+    `fluid="void"` takes the only room in them, with all its mouths.
+    """
+    room = cb.read_cad("geometries/chips/manifold.step", fluid="void").named(rest="walls")
+    ends = {f"port_{k}": cb.Pressure(0.0) for k in (2, 3, 4)} | {"walls": cb.NoSlip()}
+    ends["port_1"] = cb.Inflow(mean_velocity=1.0)
+    cb.draw_flow(cb.StokesProblem(room, 1.0, ends).solve(accuracy=3e-2), "manifold.png")
+
+
+def mixer():
+    """A mask drawn as DXF
+
+    With a height, an outline becomes a channel; it has ports where it meets the frame.
+    """
+    channel = cb.read_layout("geometries/chips/mixer.dxf", height=50, layer="channels")
+    u = cb.Units.of(channel)
+    ends = {f"port_{k}": cb.Inflow(flow_rate=u("1 uL/min")) for k in (1, 2)}
+    ends |= {"port_3": cb.Pressure(0.0), "walls": cb.NoSlip()}
+    problem = cb.StokesProblem(channel.named(rest="walls"), u("1 mPa s"), ends)
+    cb.draw_flow(problem.solve(accuracy=3e-2), "mixer.png", units=u)
+
+
 def plane_flow():
     """Flow in a plane"""
     plan = cb.read_outline("geometries/flow_focusing.step")
@@ -205,6 +251,10 @@ MAKERS = {
         edges,
         collocation,
         flow,
+        pdms,
+        luer,
+        manifold,
+        mixer,
         plane_flow,
         walls,
         paths,

@@ -12,6 +12,7 @@ from drawn import exported
 
 from cadbem.boundary import Boundary
 from cadbem.cad import inspect_cad, mesh_volume, read_cad, write_cad
+from cadbem.errors import CadWarning
 
 occ = gmsh.model.occ
 
@@ -269,3 +270,14 @@ def test_nothing_is_written_beside_the_file(folder: Path):
     path = exported(folder / "box.step")
     assert isinstance(read_cad(path), Boundary)
     assert [p.name for p in folder.iterdir()] == ["box.step"]
+
+
+def test_opencascade_files(folder: Path):
+    """2 × 3 × 4 less a bore of radius 0.5 along z: V = 24 - π; the file has no unit."""
+    bore = [(3, occ.addCylinder(1, 1, 0, 0, 0, 4, 0.5))]
+    occ.cut([(3, occ.addBox(0, 0, 0, 2, 3, 4))], bore)
+    occ.synchronize()
+    gmsh.write(str(folder / "block.brep"))
+    with pytest.warns(CadWarning, match="no unit of length is given, mm is assumed"):
+        boundary = read_cad(folder / "block.brep")
+    assert boundary.volume() == pytest.approx(24 - pi, rel=1e-9)

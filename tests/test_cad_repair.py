@@ -151,3 +151,40 @@ def test_faces_at_an_edge_of_three_are_named(folder: Path):
     defects = model.defective_faces()
     assert len(defects) == 4
     assert set(defects.values()) == {"the edge at [1, 1, 0.5] mm belongs to more than two faces"}
+
+
+def lifted_lid(gap: float) -> None:
+    """The six faces of 4 × 2 × 1, the upper one lifted by a gap."""
+    corners = ((0, 0), (4, 0), (4, 2), (0, 2))
+    sides = [(a, b) for a, b in zip(corners, corners[1:] + corners[:1], strict=True)]
+    faces = [[(*c, 0) for c in corners], [(*c, 1 + gap) for c in corners]]
+    faces += [[(*a, 0), (*b, 0), (*b, 1), (*a, 1)] for a, b in sides]
+    for points in faces:
+        tags = [occ.addPoint(*point) for point in points]
+        lines = [occ.addLine(tags[k - 1], tags[k]) for k in range(4)]
+        occ.addPlaneSurface([occ.addCurveLoop(lines)])
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+def test_wider_gaps_are_sewn_on_request(folder: Path, suffix: str):
+    """A gap of 4e-4, which is 1e-4 of the size: sewn, V is between 8 and 8 + 8 · 4e-4."""
+    lifted_lid(4e-4)
+    path = exported(folder / f"lid{suffix}")
+    with pytest.raises(CadError, match=r"up to 0.0004 mm \(0.0001 of the size\) apart.*sew=0.0002"):
+        read_cad(path)
+    with pytest.warns(CadWarning, match="results are no more exact than that"):
+        boundary = read_cad(path, sew=2e-4)
+    assert 8 <= boundary.volume() <= 8.0032
+    with pytest.raises(CadError, match="sew=0.1: give a gap per size of the model"):
+        read_cad(path, sew=0.1)
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+def test_small_features_of_parts_far_apart_stay(folder: Path, suffix: str):
+    """A cube with a bevel of 0.01, and another one 1e5 away: V = 1 - 0.01² / 2."""
+    points = [occ.addPoint(x, y, 0) for x, y in ((0, 0), (1, 0), (1, 1), (0.01, 1), (0, 0.99))]
+    lines = [occ.addLine(points[k - 1], points[k]) for k in range(5)]
+    occ.extrude([(2, occ.addPlaneSurface([occ.addCurveLoop(lines)]))], 0, 0, 1)
+    occ.addBox(1e5, 0, 0, 1, 1, 1)
+    boundary = read_cad(exported(folder / f"far{suffix}"), fluid=1)
+    assert boundary.volume() == pytest.approx(1 - 5e-5, rel=1e-7)

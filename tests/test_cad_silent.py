@@ -79,6 +79,17 @@ def test_an_interval_that_begins_before_the_first_knot():
         spline_nurbs(record, ((4.0, 5.0),))
 
 
+def test_a_tube_through_itself_is_refused_with_the_place(folder: Path):
+    """Radius 0.25 along a spline that comes back across its first part, near z = 0."""
+    path = [(0, 0, 0), (5, 0, 0), (7, 2, 0), (5, 4, 0), (2.5, 2, 0), (5, -2, 0)]
+    spine = occ.addWire([occ.addBSpline([occ.addPoint(*point) for point in path])])
+    disc = [(2, occ.addDisk(0, 0, 0, 0.25, 0.25, zAxis=[1, 0, 0]))]
+    occ.addPipe(disc, spine, "Frenet")
+    occ.remove(disc)
+    with pytest.raises(CadError, match=r"face \d crosses itself at \["):
+        read_cad(exported(folder / "tube.step"))
+
+
 def test_walls_that_cross_are_refused_with_the_place(folder: Path):
     """A quadrilateral whose sides (0, 0)-(3, 2) and (3, 0)-(0, 1) cross where 2 x / 3 = 1 - x / 3,
     at (1, 2/3)."""

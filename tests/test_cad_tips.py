@@ -93,3 +93,46 @@ def test_a_pole_is_no_edge_of_an_opening():
     edges = rim([Nurbs((1, 1), (knots, knots), corners, np.ones((2, 2)))])
     lengths = [np.linalg.norm(np.diff(edge.points, axis=0)) for edge in edges]
     assert sorted(lengths) == pytest.approx([3, 4, 5])
+
+
+@pytest.mark.parametrize("radius", [0.396, 0.3996, 0.39999])
+@pytest.mark.parametrize("turn", [0.0, 0.4, pi / 2])
+def test_a_port_almost_as_wide_as_its_channel(folder: Path, radius: float, turn: float):
+    """As above, with necks beside the port, wherever the seam of its circle is: V = 1.2 + π r²."""
+    port = [(3, occ.addCylinder(2, 0, 0.3, 0, 0, 1, radius))]
+    occ.rotate(port, 2, 0, 0, 0, 0, 1, turn)
+    occ.fuse([(3, occ.addBox(0, -0.4, 0, 5, 0.8, 0.3))], port)
+    boundary = read_cad(exported(folder / "port.step"))
+    assert boundary.volume() == pytest.approx(1.2 + pi * radius**2, rel=1e-8)
+    assert boundary.area() == pytest.approx(2 * (4 + 1.5 + 0.24) + 2 * pi * radius, rel=1e-8)
+
+
+@pytest.mark.parametrize("suffix", [".step", ".igs"])
+@pytest.mark.parametrize("angle", [0.0, 0.3, pi / 2, 2.0])
+def test_a_tee_of_equal_pipes(folder: Path, angle: float, suffix: str):
+    """Pipes of r = 1, the main one 5 long, the branch 2 from its axis, in any direction: of the
+    branch, half of Steinmetz's solid 16 r³ / 3 is in the main one: V = 5 π + 2 π - 8/3. Both
+    branches of the curve in which they meet take as much from both walls: A = 2 π (5 + 2) - 8 +
+    3 π, where 16 r² is the area of the solid."""
+    main = [(3, occ.addCylinder(-2.5, 0, 0, 5, 0, 0, 1))]
+    occ.fuse(main, [(3, occ.addCylinder(0, 0, 0, 0, 2 * np.cos(angle), 2 * np.sin(angle), 1))])
+    boundary = read_cad(exported(folder / f"tee{suffix}"))
+    assert boundary.volume() == pytest.approx(7 * pi - 8 / 3, rel=1e-6)
+    assert boundary.area() == pytest.approx(17 * pi - 8, rel=1e-6)
+
+
+@pytest.mark.parametrize("c", [2e-2, 1e-3, 1e-5])
+def test_short_edges_beside_long_ones(folder: Path, c: float):
+    """A prism of height 1 over 4 × 2 with one corner bevelled by c, and over a triangle 3 × 1
+    whose tip is cut at c of its height: areas by triangles."""
+    for points, plan in (
+        ([(0, 0), (4, 0), (4, 2), (c, 2), (0, 2 - c)], 8 - c**2 / 2),
+        ([(0, 0), (3, 0), (3, 1 + c), (0, c)], 1.5 + 3 * c),
+    ):
+        gmsh.clear()
+        corners = [occ.addPoint(x, y, 0) for x, y in points]
+        lines = [occ.addLine(corners[k - 1], corners[k]) for k in range(len(corners))]
+        occ.extrude([(2, occ.addPlaneSurface([occ.addCurveLoop(lines)]))], 0, 0, 1)
+        boundary = read_cad(exported(folder / "prism.step"))
+        assert boundary.volume() == pytest.approx(plan, rel=1e-9)
+        assert len(boundary.patches) < 20

@@ -12,8 +12,10 @@ from collections.abc import Callable
 from dataclasses import fields
 from functools import cache
 from pathlib import Path
+from tempfile import mkdtemp
 from typing import Any
 
+import ezdxf
 import numpy as np
 import pytest
 
@@ -95,6 +97,17 @@ def around(**words: Any) -> cb.StokesSolution:
 def heated(value: Any) -> cb.HeatSolution:
     conditions = {n: cb.Temperature(1.0) for n in channel().names} | {"inlet": value}
     return cb.HeatProblem(channel(), 1.0, conditions).solve()
+
+
+@cache
+def drawing() -> Path:
+    """A square of 1 mm as a DXF drawing."""
+    document = ezdxf.new(units=4)
+    square = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    document.modelspace().add_lwpolyline(square, close=True)
+    path = Path(mkdtemp()) / "square.dxf"
+    document.saveas(path)
+    return path
 
 
 def drop() -> cb.Droplet:
@@ -282,6 +295,9 @@ DOORS: dict[str, Door] = {
         "at": VECTORS, "volume": SIZES, "film": SIZES[:5] + SIZES[6:],
         "along": (*VECTORS, (0.0, 0.0, 0.0))}),
     "read_cad": (lambda **w: cb.read_cad(FILE, **w), {"tolerance": SHARES, "time_limit": SIZES}),
+    "read_layout": (lambda **w: cb.read_layout(drawing(), **{"height": 1.0} | w), {
+        "height": SIZES, "region": COUNTS[:5] + COUNTS[6:],
+        "ports": ([(1.0, np.nan)], [(1.0, 2.0, 3.0)], [1.0], ["1 mm"])}),
     "read_outline": (lambda **w: cb.read_outline(FILE, **w), {
         "point": VECTORS, "normal": (*VECTORS, (0.0, 0.0, 0.0)), "time_limit": SIZES,
         "region": COUNTS[:5] + COUNTS[6:]}),

@@ -12,7 +12,7 @@ import sys
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from math import pi, sqrt
+from math import asin, pi, sqrt
 from pathlib import Path
 from types import ModuleType
 
@@ -22,11 +22,12 @@ import pytest
 from scipy.integrate import quad
 from scipy.interpolate import BSpline
 
-from cadbem.cad import read_cad, write_cad
+from cadbem.cad import read_cad, read_layout, write_cad
 from cadbem.errors import CadError
 
 ROOT = Path(__file__).parents[1]
 FOLDER = ROOT / "geometries"
+CHIPS = FOLDER / "chips"
 
 
 @dataclass(frozen=True)
@@ -299,3 +300,41 @@ def test_faces_with_the_same_corners(model: ModuleType, tmp_path: Path) -> None:
         assert face_names(tmp_path / f"half{suffix}") == {"side": len(tags)}
         with pytest.raises(CadError, match="same corners; split it"):
             write_cad(tmp_path / f"half{suffix}", {tags[0]: "one"})
+
+
+# The groove begins at a well's axis, 0.6 wide: |y| < 0.3, 0 < x < (1/4 - y²)^½ is what they share,
+# 0.3 · 0.4 + 0.25 asin(0.6) in plan.
+SHARED = 0.4 * (0.12 + 0.25 * asin(0.6))
+
+
+@pytest.mark.parametrize(
+    ("name", "options", "volume", "names"),
+    [
+        ("pdms_block", {"between": ("mouth 1", "mouth 2")}, 0.96 + pi - 2 * SHARED, "mouth_{}"),
+        ("luer", {"between": ((0, 0, 0), (0, 0, 11))},
+         2 * pi * (4 + 2 * 1.64 + 1.64**2) + 1.25 * pi, "mouth_{}"),
+        ("manifold", {"fluid": "void"}, 0.64 * 8 + 0.09 * pi * 4.2, "port_{}"),
+    ],
+)  # fmt: skip
+def test_rooms_in_chips(name: str, options: dict, volume: float, names: str) -> None:
+    """Groove and wells, less what they share; a cone and a bore; a bore and its branches."""
+    room = read_cad(CHIPS / f"{name}.step", **options).named(rest="walls")
+    assert room.volume() == pytest.approx(volume, rel=1e-8)
+    count = 4 if name == "manifold" else 2
+    assert room.names == (*(names.format(k) for k in range(1, count + 1)), "walls")
+
+
+def test_the_mixer(tmp_path: Path) -> None:
+    """Inlets 100 × 1000, lines of 250, 250 and twice 150, two quarters of a turn at radius 150 and
+    half a turn at 100: by Pappus the centreline times 100, and 50 high."""
+    centreline = 250 + 250 + pi * 150 + pi * 100 + 2 * 150
+    channel = read_layout(CHIPS / "mixer.dxf", height=50, layer="channels")
+    assert channel.volume() == pytest.approx(5000 * (1000 + centreline), rel=1e-9)
+    assert set(channel.names) == {"", "port_1", "port_2", "port_3"}
+
+
+def test_chips_are_drawn_by_their_script(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, CHIPS / "draw.py", tmp_path], check=True)
+    for name in ("pdms_block.step", "luer.step", "manifold.step"):
+        written, kept = (read_cad(place / name, fluid="void") for place in (tmp_path, CHIPS))
+        assert written.volume() == pytest.approx(kept.volume(), rel=1e-12)

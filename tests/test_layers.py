@@ -29,14 +29,17 @@ FLOORS = (
 )
 # wings of a room from below; "" is the room's own files
 WINGS = {
-    "cad": ("text", "kernel", "faces", "layout", "labels", "body", "export", ""),
+    "cad": ("text", "kernel", "faces", "drawings", "layout", "labels", "body", "export", ""),
     "operators": ("", "far", "closed", "compressed"),
     "suspension": ("surroundings", "rigid", "interface", "bodies", "multibody", "time"),
     "verification": ("", "figures"),
     "post": ("files", "style", "fields", "scene", "plane", "bodies", "channel", ""),
 }
 FLOOR = {room: number for number, rooms in enumerate(FLOORS) for room in rooms}
-OWNERS = {"gmsh": "cad", "pyvista": "post", "vtk": "post", "vtkmodules": "post"}
+OWNERS = {
+    "gmsh": "cad", "ezdxf": "cad", "gdstk": "cad",
+    "pyvista": "post", "vtk": "post", "vtkmodules": "post",
+}  # fmt: skip
 FILES = {
     ".".join(path.relative_to(PACKAGE.parent).with_suffix("").parts).removesuffix(".__init__"): path
     for path in PACKAGE.rglob("*.py")

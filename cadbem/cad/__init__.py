@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from cadbem.cad.export.export import write_patches as write_patches
     from cadbem.cad.export.write_model import write_cad as write_cad
+    from cadbem.cad.layout_solid import read_layout as read_layout
     from cadbem.cad.plane import read_outline as read_outline
     from cadbem.cad.read import read_cad as read_cad
     from cadbem.cad.report import CadReport as CadReport
@@ -19,6 +20,7 @@ _MODULES = {
     "inspect_cad": "report",
     "mesh_volume": "volume_mesh",
     "read_cad": "read",
+    "read_layout": "layout_solid",
     "read_outline": "plane",
     "write_cad": "export.write_model",
     "write_patches": "export.export",

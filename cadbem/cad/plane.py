@@ -13,11 +13,11 @@ from scipy.spatial import cKDTree
 
 from cadbem.boundary import Boundary, Patch
 from cadbem.cad.body.model import CadModel, file_unit, open_model
+from cadbem.cad.drawn_plan import drawn_plan, is_drawing
 from cadbem.cad.faces.face_geometry import edge_points, is_planar, world_curve
-from cadbem.cad.faces.surfaces import smooth_pieces
 from cadbem.cad.kernel.brep import BrepFace, read_brep
 from cadbem.cad.kernel.process import import_model, section_model
-from cadbem.cad.layout.rings import Ring, regions, rings
+from cadbem.cad.plane_region import in_words, plane_region
 from cadbem.cad.sections import cut_faces, face_at
 from cadbem.cad.text.source import CadSource, read_source
 from cadbem.cad.text.unit import Unit
@@ -26,8 +26,7 @@ from cadbem.errors import CadError, CadWarning
 from cadbem.spline.basis import Array
 from cadbem.spline.nurbs import Nurbs
 
-JOINED = 1e-4  # share of the figure's size within which ends belong together
-SAME = 1e-6  # share of the figure's size within which ends meet well and points lie in its plane
+SAME = 1e-6  # share of the figure's size within which points lie in its plane
 AXIS = 1e-9  # how near a normal is to an axis that is meant
 
 
@@ -75,17 +74,24 @@ def read_outline(
     point: ArrayLike | None = None,
     normal: ArrayLike | None = None,
     region: int | None = None,
+    layer: str | int | None = None,
     fluid: int | str = "solid",
     names: str = "names",
     time_limit: float = 60.0,
 ) -> Boundary:
-    """The outline of a plane region in a STEP or IGES file, as a boundary of dimension 2.
+    """The outline of a plane region in a STEP, IGES, DXF or GDS file, a boundary of dimension 2.
 
     A file with solids is cut by the plane through ``point`` (in the file's unit; default: the
     middle of the solids' box) with a ``normal`` (default: along z, for a plan). Curves keep name
     and number of the face that they are cut from; ``fluid`` and ``names`` are as in `read_cad`. A
     file without solids holds plane faces, which together are the region, or closed wires around
     it and its holes; curves are numbered, so that `named(inlet=3)` can name them.
+
+    Of a drawing (DXF, GDS) the curves on a ``layer`` are taken (a name; of GDS a number or
+    "1/0"), by default the only one. Straight curves on a frame round it, on any other layer, are
+    called port_1, port_2, ... by x, then y; open curves that end at the frame are closed there.
+    ``names="layers"`` calls curves by their layer. Polygons of a GDS layer are united, and
+    corners on circles become arcs.
 
     Lines, arcs and splines stay exact (a cut across curved splines is as exact as the CAD kernel
     makes it); curves end at kinks and after 90 degrees, and run with the fluid to their right.
@@ -101,6 +107,10 @@ def read_outline(
         direction("normal", normal, 3)
     if region is not None:
         whole("region", region)
+    if is_drawing(path):
+        if point is not None or normal is not None:
+            raise CadError(f"{Path(path).name}: a drawing is plane; leave out point and normal")
+        return drawn_plan(path, layer, region=region, names=names)
     source = read_source(path)
     kernel = import_model(source, time_limit)
     if kernel.solids:
@@ -115,26 +125,7 @@ def read_outline(
     else:
         unit = file_unit(source)
         patches = _drawn(source, kernel.brep, unit, time_limit)
-    return _region(source.name, patches, unit, region)
-
-
-def _region(file: str, patches: list[Patch], unit: Unit, region: int | None) -> Boundary:
-    """The curves put together, turned, cut at kinks, and scaled to the file's unit."""
-    size = float(np.ptp(np.concatenate([p.surface.points for p in patches]), axis=0).max())
-    loops, gap, end = rings(patches, JOINED * size)
-    if end is not None:
-        place = _words(end, unit)
-        raise CadError(f"{file}: the curves do not close, an end is at {place}; join them")
-    if gap > SAME * size:
-        gap_there = f"{gap / unit.millimetres:.2g} {unit.name}"
-        warn(f"{file}: curves meet up to {gap_there} only", CadWarning, stacklevel=3)
-    chosen = _chosen(file, regions(loops), region, unit)
-    pieces = [
-        replace(patch, surface=replace(piece, points=piece.points / unit.millimetres))
-        for patch in chosen
-        for piece in smooth_pieces(patch.surface)
-    ]
-    return Boundary(tuple(pieces), file, unit.name)
+    return plane_region(source.name, patches, unit, region)
 
 
 def _cut(
@@ -169,21 +160,6 @@ def _cut(
     return patches
 
 
-def _chosen(file: str, found: list[Ring], region: int | None, unit: Unit) -> Ring:
-    if region is not None and 1 <= region <= len(found):
-        return found[region - 1]
-    if region is None and len(found) == 1:
-        return found[0]
-    sizes = [
-        f"{k} of area {Boundary(ring).volume() / unit.millimetres**2:.4g} about "
-        + _words(Boundary(ring).bounds().mean(axis=0), unit)
-        for k, ring in enumerate(found, start=1)
-    ]
-    raise CadError(
-        f"{file}: {len(found)} regions ({'; '.join(sizes)}); choose one with region=1, ..."
-    )
-
-
 def _drawn(source: CadSource, brep: str, unit: Unit, time_limit: float) -> list[Patch]:
     """The curves of a drawing without solids, numbered."""
     if not brep:
@@ -191,7 +167,7 @@ def _drawn(source: CadSource, brep: str, unit: Unit, time_limit: float) -> list[
         if ends:
             raise CadError(
                 f"{source.name}: the wires do not close: {len(ends)} open ends, the first at "
-                f"{_words(ends[0], unit)}; join them in the CAD program"
+                f"{in_words(ends[0], unit)}; join them in the CAD program"
             )
     faces = read_brep(brep) if brep else []
     if not faces:
@@ -209,12 +185,6 @@ def _drawn(source: CadSource, brep: str, unit: Unit, time_limit: float) -> list[
         )
     curves = [plane.flat(curve) for curve in _outer_curves(faces, SAME * size)]
     return [Patch(curve, "", k) for k, curve in enumerate(curves, start=1)]
-
-
-def _words(point: Array, unit: Unit) -> str:
-    """A place in the file's unit."""
-    rounded = (f"{x + 0.0:.4g}" for x in np.round(point / unit.millimetres, 12))
-    return f"[{', '.join(rounded)}] {unit.name}".rstrip()
 
 
 def _outer_curves(faces: Iterable[BrepFace], near: float) -> list[Nurbs]:

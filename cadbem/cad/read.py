@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from warnings import warn
@@ -9,12 +10,14 @@ from warnings import warn
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.body.between import Pick
 from cadbem.cad.body.crossings import find_crossing
 from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.body.witness import disagreements
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.checks import positive, within
 from cadbem.errors import CadError, CadWarning
+from cadbem.points import gauss_measures
 from cadbem.progress import progress, stage
 
 OPEN = 1e-4  # |∮ n dS| / area above which patches do not enclose a volume
@@ -26,8 +29,10 @@ def read_cad(
     path: str | Path,
     *,
     fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
+    sew: float = 0.0,
     time_limit: float = 60.0,
 ) -> Boundary:
     """NURBS patches of the solid in a STEP or IGES file; the fluid is inside.
@@ -45,14 +50,23 @@ def read_cad(
       If there are several such rooms, "void 1", "void 2", ...: large ones first. Where no mouth is
       found it is the room that solids leave of the box of their corners, with ports in its sides.
 
+    `between` picks mouths instead, and gives the room that they lead into: `("mouth 1", "mouth 2")`
+    as `inspect_cad` and messages number them (by x, y, z over the whole file), points (x, y, z) in
+    them, which also find rings that are no mouths by themselves, or numbers of faces round or
+    behind them. A mouth may lie on any face, at the end of any tube, in any of several solids that
+    touch. Caps are called mouth_1, ... by their numbers. Ports and mouths keep their names in
+    `named(rest=...)`.
+
     Coordinates are in the file's own unit, normals point into the fluid. Patches are called what
     the file calls their faces (`names="names"`: STEP's name of the face, IGES's entity label), by
     the face's layer or level (`names="layers"`) or by its colour, "#rrggbb" (`names="colours"`).
 
     Faces that fill a rectangle of their surface's parameters, and plane faces, become exact
     patches; other trimmed faces become splines that deviate from them by less than `tolerance`
-    times the face's size. `time_limit` in seconds bounds the CAD kernel's work. Warns with
-    CadWarning of what is unusual or had to be assumed.
+    times the face's size. Loose faces are sewn if they are no more apart than the file's digits
+    explain; `sew` (1e-4, say) is a wider gap, per size of the model, that may be sewn, too.
+    `time_limit` in seconds bounds the CAD kernel's work. Warns with CadWarning of what is unusual
+    or had to be assumed.
 
     Raises CadError, in one line with the remedy, for what cannot be read or does not enclose
     exactly one volume, and for faces that no way of laying patches covers.
@@ -60,7 +74,7 @@ def read_cad(
     within("tolerance", tolerance, 1e-16, 0.1)
     positive("time_limit", time_limit)
     with stage(f"reading {path}"):
-        model = open_model(path, time_limit, names, fluid)
+        model = open_model(path, time_limit, names, fluid, between, sew)
         for warning in model.warnings:
             warn(warning, CadWarning, stacklevel=2)
         boundary = Boundary(tuple(_all_patches(model, tolerance)), model.file, model.unit.name)
@@ -76,16 +90,16 @@ def oriented(boundary: Boundary) -> Boundary:
 
     Raises CadError if the patches do not close or enclose nothing.
     """
-    points, weights = boundary.quadrature(ORDER)
-    area = float(weights.sum())
-    opening = float(np.linalg.norm(points.normal @ weights)) / area
+    position, normal, weights = gauss_measures([p.surface for p in boundary.patches], ORDER)
+    area = float(np.linalg.norm(normal, axis=0) @ weights)
+    opening = float(np.linalg.norm(normal @ weights)) / area
     if opening > OPEN:
         raise CadError(
             f"{boundary.source}: the faces do not close: |∮ n dS| / area = {opening:.1e}; "
             "check the model for missing, doubled or turned faces"
         )
-    arm = points.position - points.position.mean(axis=1)[:, None]
-    volume = -float((arm * points.normal).sum(axis=0) @ weights) / 3
+    arm = position - position.mean(axis=1)[:, None]
+    volume = -float((arm * normal).sum(axis=0) @ weights) / 3
     if abs(volume) < HOLLOW * area**1.5:
         raise CadError(f"{boundary.source}: the faces enclose no volume; export a solid")
     if volume > 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import inf, nan
 from pathlib import Path
@@ -11,9 +11,11 @@ from pathlib import Path
 import numpy as np
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.body.between import Pick
 from cadbem.cad.body.gaps import largest_distance
 from cadbem.cad.body.model import CadModel
 from cadbem.cad.body.witness import disagreements
+from cadbem.cad.chips import chip_remarks
 from cadbem.cad.faces.face_geometry import edge_points, points_on
 from cadbem.cad.faces.flux import face_area, face_flux
 from cadbem.cad.kernel.brep import BrepFace
@@ -87,8 +89,10 @@ def inspect_cad(
     path: str | Path,
     *,
     fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
+    sew: float = 0.0,
     time_limit: float = 60.0,
 ) -> CadReport:
     """Describe a STEP or IGES file, also one that `read_cad` refuses; arguments as there.
@@ -97,7 +101,10 @@ def inspect_cad(
     """
     within("tolerance", tolerance, 1e-16, 0.1)
     positive("time_limit", time_limit)
-    survey = survey_cad(path, fluid=fluid, names=names, tolerance=tolerance, time_limit=time_limit)
+    survey = survey_cad(
+        path, fluid=fluid, between=between, names=names, tolerance=tolerance, sew=sew,
+        time_limit=time_limit,
+    )
     model = survey.model
     label = f"{model.file}: measures"
     faces = progress(model.faces, label)
@@ -121,7 +128,13 @@ def inspect_cad(
         bounds=_bounds(model, survey.boundary.patches),
         gap=gap,
         problems=survey.problems,
-        remarks=(*model.warnings, *_relaxed(survey, tolerance), *witnessed, *model.kernel.log),
+        remarks=(
+            *model.warnings,
+            *chip_remarks(path, model, time_limit),
+            *_relaxed(survey, tolerance),
+            *witnessed,
+            *model.kernel.log,
+        ),
         defects=refused | model.defective_faces(),
     )
 

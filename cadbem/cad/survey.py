@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from cadbem.boundary import Boundary, Patch
+from cadbem.cad.body.between import Pick
 from cadbem.cad.body.model import CadModel, open_model
 from cadbem.cad.layout.face_patches import TOLERANCE
 from cadbem.cad.read import check_crossings, oriented
@@ -41,15 +43,17 @@ def survey_cad(
     path: str | Path,
     *,
     fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
     names: str = "names",
     tolerance: float = TOLERANCE,
+    sew: float = 0.0,
     time_limit: float = 60.0,
 ) -> CadSurvey:
     """Try to lay patches on every face of a STEP or IGES file; arguments as for `read_cad`.
 
     Raises CadError only if the file cannot be read at all or has no faces.
     """
-    model = open_model(path, time_limit, names, fluid)
+    model = open_model(path, time_limit, names, fluid, between, sew)
     patches: dict[int, list[Patch]] = {}
     deviations: dict[int, float] = {}
     refused: dict[int, str] = {}

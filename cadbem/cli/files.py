@@ -53,6 +53,13 @@ def _add_reading(parser: Parser) -> None:
         help="what the fluid is: solid (default), a solid's number or name, material, all, void",
     )
     parser.add_argument(
+        "--between",
+        nargs="+",
+        type=lambda text: int(text) if text.isdecimal() else text,
+        metavar="MOUTH",
+        help="the room between mouths of a chip, such as 'mouth 1' 'mouth 2', or face numbers",
+    )
+    parser.add_argument(
         "--names",
         choices=("names", "layers", "colours"),
         help="what faces are called by (default: names)",
@@ -63,11 +70,15 @@ def _add_reading(parser: Parser) -> None:
         metavar="SHARE",
         help="deviation allowed from curved trimmed faces, per size of the face (default: 1e-6)",
     )
+    parser.add_argument(
+        "--sew", type=positive, metavar="SHARE", help="gap that may be sewn, per size of the model"
+    )
 
 
 def _reading(options: Options) -> dict[str, Any]:
     """The options of `read_cad` that were given."""
-    chosen = {key: getattr(options, key) for key in ("fluid", "names", "tolerance")}
+    keys = ("fluid", "between", "names", "tolerance", "sew")
+    chosen = {key: getattr(options, key) for key in keys}
     return {key: value for key, value in chosen.items() if value is not None}
 
 

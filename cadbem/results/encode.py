@@ -196,7 +196,8 @@ def write_boundary(place: h5py.Group, boundary: Boundary) -> None:
     place.attrs.update(source=boundary.source, unit=boundary.unit, patches=len(boundary.patches))
     for i, patch in enumerate(boundary.patches):
         part = place.create_group(f"patch_{i}")
-        part.attrs.update(name=patch.name, face=patch.face, degrees=patch.surface.degrees)
+        part.attrs.update(name=patch.name, face=patch.face, port=patch.port)
+        part.attrs["degrees"] = patch.surface.degrees
         part["points"], part["weights"] = patch.surface.points, patch.surface.weights
         for d, knots in enumerate(patch.surface.knots):
             part[f"knots_{d}"] = knots
@@ -212,7 +213,8 @@ def _patch(part: h5py.Group) -> Patch:
     degrees = tuple(int(degree) for degree in part.attrs["degrees"])
     knots = tuple(part[f"knots_{d}"][:] for d in range(len(degrees)))
     surface = Nurbs(degrees, knots, part["points"][:], part["weights"][:])
-    return Patch(surface, part.attrs["name"], int(part.attrs["face"]))
+    port = bool(part.attrs.get("port", False))
+    return Patch(surface, part.attrs["name"], int(part.attrs["face"]), port)
 
 
 def _plain(value: Any) -> Any:

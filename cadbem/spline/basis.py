@@ -33,9 +33,9 @@ def function_count(degree: int, knots: Array) -> int:
 
 
 def multiplicities(knots: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Distinct knots and how often each stands."""
-    values, counts = np.unique(knots, return_counts=True)
-    return values, counts
+    """Distinct knots, which rise, and how often each stands."""
+    first = np.flatnonzero(np.append(True, knots[1:] != knots[:-1]))
+    return knots[first], np.diff(np.append(first, len(knots)))
 
 
 def greville(degree: int, knots: Array) -> Array:

@@ -77,7 +77,7 @@ class Nurbs:
 
     def breaks(self, direction: int) -> Array:
         """Distinct knots in one parameter."""
-        return np.unique(self.knots[direction])
+        return multiplicities(self.knots[direction])[0]
 
     def evaluate(self, *parameters: ArrayLike) -> Array:
         """Points at the broadcast parameters: shape (dim, *shape)."""
@@ -145,6 +145,8 @@ class Nurbs:
 
     def rebased(self, degrees: Sequence[int], knots: Sequence[Array]) -> Nurbs:
         """The same shape on richer knot vectors (see ``refinement_matrix``)."""
+        if tuple(degrees) == self.degrees and all(map(np.array_equal, knots, self.knots)):
+            return self
         control = self.homogeneous
         for axis, (p, k) in enumerate(zip(degrees, knots, strict=True)):
             matrix = refinement_matrix(self.degrees[axis], self.knots[axis], p, k)

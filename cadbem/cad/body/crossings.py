@@ -22,6 +22,7 @@ from cadbem.spline.nurbs import Nurbs
 CELLS = 8  # of a block in each direction, a power of two
 MOST_BLOCKS = 16  # of a patch in each direction
 MARGIN = 2e-4  # distance from borders, per size of all patches, from which on points count
+IN_PLANE = 1e-9  # distance of a plane, per size of the model, that is none
 EXACT = 1e-9  # distance, per size, of points that are the same
 FLAT = 0.02  # sine of the angle between surfaces that only touch
 TRIALS = 4  # pairs of cells of two patches from which Newton's method starts
@@ -116,6 +117,7 @@ def _close_cells(blocks: _Blocks) -> tuple[np.ndarray, np.ndarray]:
         a, b = np.nonzero(np.triu(meet, start))
         found.append(np.stack([a + start, b]))
     a, b = np.concatenate(found, axis=1)
+    a, b = np.stack([a, b])[:, ~_in_one_plane(blocks, a, b)]
     zeros = np.zeros((len(a), 2), dtype=int)
     first, second = np.column_stack([a, zeros]), np.column_stack([b, zeros])
     quarters = np.array(list(product((0, 1), repeat=2)))
@@ -135,6 +137,21 @@ def _close_cells(blocks: _Blocks) -> tuple[np.ndarray, np.ndarray]:
     apart = np.abs(first[:, 1:] - second[:, 1:]).max(axis=1) > 1
     kept = apart | (first[:, 0] != second[:, 0])
     return first[kept], second[kept]
+
+
+def _in_one_plane(blocks: _Blocks, first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Which pairs of blocks lie in one plane, where they do not cross."""
+    points = blocks.points.reshape(*blocks.points.shape[:2], -1)
+    corners = blocks.points[:, :, [0, -1, 0], [0, 0, -1]]
+    normals = np.cross(corners[:, :, 1] - corners[:, :, 0], corners[:, :, 2] - corners[:, :, 0])
+    lengths = np.linalg.norm(normals, axis=1)
+    normals /= np.maximum(lengths, 1e-300)[:, None]
+    size = float(np.ptp(points, axis=(0, 2)).max())
+    heights = np.einsum("nd,ndp->np", normals, points)
+    flat = (np.ptp(heights, axis=1) < IN_PLANE * size) & (lengths > IN_PLANE * size**2)
+    level = np.einsum("nd,ndp->np", normals[first], points[second])
+    off = np.abs(level - heights[first, :1]).max(axis=1)
+    return flat[first] & flat[second] & (off < IN_PLANE * size)
 
 
 def _number(cells: np.ndarray) -> np.ndarray:

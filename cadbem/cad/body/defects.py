@@ -42,6 +42,27 @@ def find_defects(faces: Sequence[BrepFace]) -> list[Defect]:
     return [*_free(pairs, counts), *_joined_badly(pairs, counts)]
 
 
+def widest_gap(defects: Sequence[Defect]) -> float:
+    """Largest distance (mm) of an open edge from the nearest other ones; inf if there are none."""
+    points = [points_on(defect.use) for defect in defects]
+    others = ([p for j, p in enumerate(points) if j != i] for i in range(len(points)))
+    return max(map(_distances, points, others), default=np.inf)
+
+
+def _distances(points: Array, others: list[Array]) -> float:
+    """Largest distance of points (n, 3) from polylines (m, 3)."""
+    if not others:
+        return np.inf
+    nearest = []
+    for line in others:
+        start, step = line[:-1], np.diff(line, axis=0)
+        arm = points[:, None] - start
+        share = (arm * step).sum(axis=2) / np.maximum((step**2).sum(axis=1), 1e-300)
+        feet = start + np.clip(share, 0, 1)[:, :, None] * step
+        nearest.append(np.linalg.norm(points[:, None] - feet, axis=2).min(axis=1))
+    return float(np.min(nearest, axis=0).max())
+
+
 def _free(pairs: list[tuple[BrepFace, EdgeUse]], counts: Counter) -> Iterator[Defect]:
     """Edges of one face: open ones, and those on the edge of another face. Both sides of a seam
     that are edges of their own are none."""

@@ -4,18 +4,21 @@ from __future__ import annotations
 
 import re
 from collections import Counter, defaultdict
-from collections.abc import Iterable, Sequence, Sized
+from collections.abc import Sequence, Sized
 from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cadbem.cad.body.between import Pick, room_between
+from cadbem.cad.body.material import material_of, without_doubles
 from cadbem.cad.body.orientation import Shell, shells_of
 from cadbem.cad.body.ports import Ports
-from cadbem.cad.body.rooms import Fluid, room_between
+from cadbem.cad.body.rooms import Fluid, void_room
+from cadbem.cad.body.sheets import names_by_sheets
 from cadbem.cad.faces.face_geometry import edge_points
 from cadbem.cad.kernel.brep import BrepFace
 from cadbem.cad.kernel.process import KernelModel
-from cadbem.cad.labels.step_solids import shell_names, solid_names
+from cadbem.cad.labels.step_solids import sheet_names, shell_names, solid_names
 from cadbem.cad.text.source import CadSource
 from cadbem.cad.text.unit import Unit
 from cadbem.errors import CadError
@@ -64,8 +67,10 @@ def choose_fluid(
     kernel: KernelModel,
     faces: Sequence[BrepFace],
     fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
 ) -> Fluid:
-    """The faces that `fluid` (see `read_cad`) selects from those that `import_model` found.
+    """The faces that `fluid` or `between` (see `read_cad`) select from those that `import_model`
+    found.
 
     Raises CadError if there is no such solid, shell or void.
     """
@@ -74,20 +79,26 @@ def choose_fluid(
         if face.outward:
             solids[face.solid].append(face)
     loose = solids.pop(0, [])
-    if solids and room_of(fluid) == "void" and not kernel.box:
-        return room_between(source.name, unit, _material(solids), str(fluid))
+    if solids and not kernel.box and (between or room_of(fluid) == "void"):
+        material = material_of(source.name, unit, solids)
+        if between:
+            return room_between(source.name, unit, material, between)
+        return void_room(source.name, unit, material, str(fluid))
+    if between:
+        raise CadError(
+            f"{source.name}: the faces form no solid, which mouths could lead into; close them in "
+            "the CAD program and export solids"
+        )
     chooser = _Chooser(source, unit, kernel, solids)
     if not solids:
         return chooser.without_solid(loose, fluid)
     stray = [*loose, *(face for face in faces if not face.outward)]
     found = chooser.chosen(fluid)
-    return replace(found, warnings=(*found.warnings, *chooser.left_out(stray)))
-
-
-def _material(solids: dict[int, list[BrepFace]]) -> tuple[BrepFace, ...]:
-    """Faces of all solids, normals out of the material, without those that two of them share."""
-    shells = [shell for faces in solids.values() for shell in shells_of(faces)]
-    return _without_doubles(face for shell in shells for face in shell.faces)[0]
+    said = sheet_names(source, stray, unit) if stray else {}
+    said = {number: name for number, name in said.items() if not _UNSAID.fullmatch(name)}
+    named, left = names_by_sheets(found.faces, stray, said)
+    warnings = (*found.warnings, *chooser.left_out(left, said))
+    return replace(found, warnings=warnings, sheets=named)
 
 
 @dataclass(frozen=True, eq=False)
@@ -142,11 +153,11 @@ class _Chooser:
     # answers
 
     def _one(self, body: _Body) -> Fluid:
-        faces, doubled = _without_doubles(body.faces)
-        return Fluid(faces, warnings=self.left_out(doubled), bodies=(body.number,))
+        faces, doubled = without_doubles(body.faces)
+        return Fluid(faces, warnings=self.left_out(doubled, {}), bodies=(body.number,))
 
     def _together(self, bodies: list[_Body]) -> Fluid:
-        faces = _without_doubles(face for body in bodies for face in body.faces)[0]
+        faces = without_doubles(face for body in bodies for face in body.faces)[0]
         return Fluid(faces, bodies=tuple(body.number for body in bodies))
 
     def _named(self, bodies: list[_Body], name: str) -> Fluid:
@@ -243,16 +254,18 @@ class _Chooser:
             )
         return "; ".join(words) + ("; ..." if len(bodies) > LISTED else "")
 
-    def left_out(self, faces: Sequence[BrepFace]) -> tuple[str, ...]:
-        """A line on faces that do not bound the fluid."""
+    def left_out(self, faces: Sequence[BrepFace], names: dict[int, str]) -> tuple[str, ...]:
+        """A line on faces that do not bound the fluid, with the names that some of them have."""
         if not faces:
             return ()
+        said = sorted({names[face.number] for face in faces if face.number in names})
+        called = f" {', '.join(map(repr, said))}, which names no face" * bool(said)
         points = edge_points(faces[0]) / self.unit.millimetres
         place = ", ".join(f"{x:.4g}" for x in _rounded(points.min(axis=0), points.max(axis=0)))
         count = "1 face bounds" if len(faces) == 1 else f"{len(faces)} faces bound"
         return (
             f"{self.file}: {count} no volume (a sheet inside or beside it), the first about "
-            f"[{place}] {self.unit.name}: left out",
+            f"[{place}] {self.unit.name}: left out{called}",
         )
 
 
@@ -264,16 +277,6 @@ def _rounded(low: Array, high: Array) -> Array:
     """Middle of a box, without the noise of a zero."""
     middle, size = 0.5 * (low + high), float(np.ptp([low, high]))
     return np.where(np.abs(middle) < 1e-12 * size, 0.0, middle)
-
-
-def _without_doubles(
-    faces: Iterable[BrepFace],
-) -> tuple[tuple[BrepFace, ...], list[BrepFace]]:
-    """Faces that are there once, and those with the same material on both sides."""
-    faces = sorted(faces, key=lambda face: face.number)
-    counts = Counter(face.key for face in faces)
-    doubled = [face for face in faces if counts[face.key] > 1]
-    return tuple(face for face in faces if counts[face.key] == 1), doubled
 
 
 def _rank(piece: _Body, ports: Ports) -> tuple:

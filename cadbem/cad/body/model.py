@@ -2,22 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
 
 from cadbem.boundary import Patch
-from cadbem.cad.body.defects import APART, CROWDED, OPEN, TURNED, find_defects
+from cadbem.cad.body.between import Pick
+from cadbem.cad.body.defects import APART, CROWDED, OPEN, TURNED, Defect, find_defects, widest_gap
 from cadbem.cad.body.fluid import choose_fluid, room_of
 from cadbem.cad.body.sizes import assumed_unit, unusual_size
 from cadbem.cad.faces.consistency import contradictions, sewing_gaps
 from cadbem.cad.faces.face_geometry import edge_points, shape_of, size_of
+from cadbem.cad.faces.reprojection import reprojected
 from cadbem.cad.kernel.brep import BrepFace, read_brep
 from cadbem.cad.kernel.process import KernelModel, import_model
 from cadbem.cad.labels.face_labels import FaceLabel, check_choice, chosen, match_labels
 from cadbem.cad.labels.iges_labels import IgesText
 from cadbem.cad.labels.step_labels import StepText
+from cadbem.cad.layout.causes import likely_cause
 from cadbem.cad.layout.face_patches import face_patches
 from cadbem.cad.text.source import CadSource, read_source
 from cadbem.cad.text.unit import Unit
@@ -25,6 +29,7 @@ from cadbem.errors import CadError
 from cadbem.spline.basis import Array
 
 SMALLEST, LARGEST = 1e-4, 1e8  # sizes in mm; the kernel takes points within 1e-7 mm for the same
+WIDEST = 5e-4  # gap, per size, that may be sewn on request
 _COMPLAINTS = {  # number of edges and place of the first; what to do
     OPEN: (
         "the faces leave openings: {} edges belong to one face only, the first at {}",
@@ -51,6 +56,7 @@ class CadModel:
     refusals: tuple[str, ...] = ()  # what in the file contradicts itself
     bodies: tuple[int, ...] = ()  # solids of the record (from 1) that are the fluid
     caps: frozenset[int] = frozenset()  # numbers of faces that the file does not have
+    ports: frozenset[int] = frozenset()  # numbers of faces that are openings
 
     def patches(self, face: BrepFace, tolerance: float) -> tuple[list[Patch], float]:
         """The face's patches and their largest deviation from it, in the file's unit.
@@ -59,15 +65,31 @@ class CadModel:
         Raises CadError if there is no way to lay them.
         """
         name, scale = self.names.get(face.number, ""), self.unit.millimetres
+        port = face.number in self.ports
         try:
             covering = face_patches(face, tolerance)
         except CadError as error:
-            raise CadError(f"{self.label(face)} cannot become patches: {error}") from None
+            cause = self._cause(face)
+            raise CadError(f"{self.label(face)} cannot become patches: {cause}{error}") from None
         patches = [
-            Patch(replace(surface, points=surface.points / scale), name, face.number)
+            Patch(replace(surface, points=surface.points / scale), name, face.number, port)
             for surface in covering.surfaces
         ]
         return patches, covering.deviation / scale
+
+    def _cause(self, face: BrepFace) -> str:
+        """What is odd about the face, in words for a message; "" if nothing is."""
+        cause = likely_cause(face)
+        if cause is None:
+            return ""
+        place = self.place(cause.place / self.unit.millimetres)
+        length = f"{cause.size / self.unit.millimetres:.2g} {self.unit.name}".rstrip()
+        words = {
+            "corner": f"it has a corner of {cause.size:.2g}°",
+            "gap": f"edges are only {length} apart",
+            "edge": f"it has an edge {length} long",
+        }
+        return f"{words[cause.kind]} at {place}; "
 
     def relaxed(self, face: BrepFace, deviation: float, tolerance: float) -> list[str]:
         """A line to warn with if a face's patches deviate (file's unit) by more than the
@@ -114,8 +136,19 @@ class CadModel:
                 place = self.place(found[0].place() / self.unit.millimetres)
                 said = words.format(len(found), place)
                 sheet = ", or read a plane sketch by read_outline" * (len(self.faces) == 1)
-                lines.append(f"{self.file}: {said}; {remedy}{sheet}")
+                apart = self._gap(found) if reason in (OPEN, APART) else ""
+                lines.append(f"{self.file}: {said}{apart}; {remedy}{sheet}")
         return lines
+
+    def _gap(self, defects: Sequence[Defect]) -> str:
+        """How far open edges are from each other, and the remedy; "" if they are far."""
+        gap, size = widest_gap(defects), size_of(*self.faces)
+        if not 0 < gap <= WIDEST * size:
+            return ""
+        digit = 10.0 ** np.floor(np.log10(1.1 * gap / size))
+        share = min(WIDEST, digit * np.ceil(1.1 * gap / size / digit))
+        words = f"{gap / self.unit.millimetres:.2g} {self.unit.name} ({gap / size:.1g} of the size)"
+        return f": they are up to {words} apart, and sew={share:g} joins them"
 
     def defective_faces(self) -> dict[int, str]:
         """The defects of faces that leave the surface open or ambiguous, by number."""
@@ -128,22 +161,29 @@ class CadModel:
 
 
 def open_model(
-    path: str | Path, time_limit: float, names: str = "names", fluid: int | str = "solid"
+    path: str | Path,
+    time_limit: float,
+    names: str = "names",
+    fluid: int | str = "solid",
+    between: Sequence[Pick] = (),
+    sew: float = 0.0,
 ) -> CadModel:
     """Read a STEP or IGES file and find its faces; `names` says what they are called by, `fluid`
-    what they enclose.
+    or `between` what they enclose, `sew` which gaps may be closed.
 
     Raises CadError if the file cannot be read, has no faces, or is absurdly small or large.
     """
     check_choice(names)
-    room = room_of(fluid)
+    if not 0 <= sew <= WIDEST:
+        raise CadError(f"sew={sew!r}: give a gap per size of the model, at most {WIDEST:g}")
+    room = "all" if len(between) else room_of(fluid)
     source = read_source(path)
     unit, labels, remarks = _text_marks(source)
-    kernel = import_model(source, time_limit, "all" if room == "void" else room)
+    kernel = import_model(source, time_limit, "all" if room == "void" else room, sew)
     everything = read_brep(kernel.brep) if kernel.faces else []
-    found = choose_fluid(source, unit, kernel, everything, fluid) if everything else None
+    found = choose_fluid(source, unit, kernel, everything, fluid, between) if everything else None
     if room == "void" and not (found and found.faces):  # no mouths: the room in the solids' box
-        kernel, found = import_model(source, time_limit, room), None
+        kernel, found = import_model(source, time_limit, room, sew), None
     if kernel.box and kernel.faces == 0:
         raise CadError(f"{source.name}: the solids fill their box, there is no void in them")
     if kernel.faces == 0:
@@ -156,20 +196,25 @@ def open_model(
     points = [edge_points(face) for face in everything]
     extent = np.reshape(kernel.box, (2, 3)) if kernel.box else np.concatenate(points)
     _check_unit(source.name, unit, labels, extent)
-    found = found or choose_fluid(source, unit, kernel, everything, fluid)
-    faces = found.faces
+    found = found or choose_fluid(source, unit, kernel, everything, fluid, between)
+    faces, renewed = reprojected(found.faces)
+    anew = (
+        f"{source.name}: healed: {renewed} edges, whose curves in a face's parameters were off it, "
+        "were projected to the face anew",
+    ) * bool(renewed)
     doubts, refusals = contradictions(source.name, unit, faces)
     matched = match_labels(labels, list(faces), unit)
     healed = [f"{source.name}: healed: {line}" for line in kernel.healed]
     if kernel.sewn:
         healed += sewing_gaps(source.name, unit, faces)
     warnings = [
-        *remarks, *healed, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
+        *remarks, *healed, *anew, *found.warnings, *unusual_size(source.name, unit, faces), *doubts
     ]  # fmt: skip
-    called = chosen(matched, names) | found.ports
+    marked = found.sheets if names == "names" else {}
+    called = chosen(matched, names) | marked | found.ports
     return CadModel(
         source.name, unit, faces, called, kernel, matched, tuple(warnings), found.question,
-        tuple(refusals), found.bodies, found.caps,
+        tuple(refusals), found.bodies, found.caps, frozenset(found.ports),
     )  # fmt: skip
 
 
@@ -180,6 +225,9 @@ def file_unit(source: CadSource) -> Unit:
 
 def _text_marks(source: CadSource) -> tuple[Unit, list[FaceLabel], list[str]]:
     """Unit, faces and lines to warn with."""
+    if source.kind == "brep":  # it has no names, and no unit
+        unit = Unit("mm", 1.0, assumed=True)
+        return unit, [], assumed_unit(source.name, unit)
     try:
         text = StepText(source.text) if source.kind == "step" else IgesText(source.text)
         unit, labels = text.unit(), text.faces()

@@ -1,8 +1,10 @@
-"""Mouths of rooms in a solid: rings of edges in a face from which a wall goes into the material.
+"""Mouths of rooms in a solid: rings of edges round which a wall goes into the material.
 
 A hole in a face is a mouth if the faces beyond its edges lie behind it; a stub's base, whose wall
-rises, is none. Plane faces that continue each other count as one. A mouth is capped by a face of
-its own, on the same surface.
+rises, is none. Plane faces that continue each other count as one. A full circle of edges between
+other faces is a mouth if a bore begins behind it and the face around goes outwards without
+rising, as at the tip of a needle. A mouth is capped by a face of its own: a plane one, or, where
+its edges lie in no plane, a piece of the surface that it is a hole in.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from cadbem.cad.body.edge_rings import EdgeRing, Pass, circles, holes
 from cadbem.cad.faces.evaluate import KernelSurface
 from cadbem.cad.faces.face_geometry import (
     edge_points,
@@ -23,17 +26,19 @@ from cadbem.cad.faces.face_geometry import (
     real_uses,
     size_of,
 )
+from cadbem.cad.faces.wraps import filled, parameter_loop
 from cadbem.cad.kernel.brep import BrepFace, EdgeUse
-from cadbem.cad.kernel.brep_geometry import PLANE
+from cadbem.cad.kernel.brep_geometry import PLANE, SurfaceRecord
 from cadbem.spline.basis import Array
 
 SAME = 1e-6  # distance, per size of the model, within which planes and corners are the same
+INWARDS = -0.5  # cosine between a bore's normal and the way from its axis below which it is a bore
 
 
 @dataclass(frozen=True, eq=False)
 class Mouth:
-    """A ring of edges: indices of the faces that it is a hole of and of those beyond, the face that
-    caps it (normal out of the material, number 0), its middle (3,) and its diameter, mm."""
+    """A ring of edges: indices of the faces around it and of those beyond, the face that caps it
+    (normal out of the material, number 0), its middle (3,) and its diameter, mm."""
 
     hosts: frozenset[int]
     walls: frozenset[int]
@@ -42,118 +47,186 @@ class Mouth:
     middle: Array
     diameter: float
 
+    def holds(self, point: Array) -> bool:
+        """Whether a point (3,) lies in the ball round the mouth."""
+        return float(np.linalg.norm(point - self.middle)) <= 0.5 * self.diameter * (1 + SAME)
+
 
 def find_mouths(faces: Sequence[BrepFace]) -> list[Mouth]:
     """All mouths in the faces of solids, whose normals point out of the material."""
-    at_edge: dict[tuple, set[int]] = defaultdict(set)
+    at_edge = faces_at_edges(faces)
+    near = SAME * size_of(*faces)
+    found = (_hole(faces, *hole, at_edge, near) for hole in holes(faces, at_edge, near))
+    mouths = [mouth for mouth in found if mouth is not None]
+    known = {key for mouth in mouths for key in mouth.keys}
+    for ring in circles(faces, at_edge, near):
+        mouth = None if ring.keys & known else _bore(faces, ring, at_edge, near)
+        mouths += [mouth] if mouth is not None else []
+    return mouths
+
+
+def rings_round(faces: Sequence[BrepFace], point: Array) -> list[Mouth]:
+    """All full circles of edges that hold a point (3,), as mouths, the nearest first."""
+    at_edge = faces_at_edges(faces)
+    near = SAME * size_of(*faces)
+    found = [
+        _capped(faces, ring, _sides(faces, ring, at_edge)[0], at_edge, near)
+        for ring in circles(faces, at_edge, near)
+    ]
+    around = [mouth for mouth in found if mouth is not None and mouth.holds(point)]
+    return sorted(around, key=lambda mouth: float(np.linalg.norm(mouth.middle - point)))
+
+
+def faces_at_edges(faces: Sequence[BrepFace]) -> dict[tuple, list[int]]:
+    """Indices of the faces at each edge, by its key; one twice at its seam."""
+    at_edge: dict[tuple, list[int]] = defaultdict(list)
     for index, face in enumerate(faces):
         for use in real_uses(face):
-            at_edge[use.key].add(index)
-    near = SAME * size_of(*faces)
-    found = []
-    for group in _coplanar(faces, at_edge, near):
-        for loop in _loops(faces, group, near):
-            mouth = _mouth(faces, group, loop, at_edge)
-            if mouth is not None:
-                found.append(mouth)
-    return found
+            at_edge[use.key].append(index)
+    return at_edge
 
 
-def _coplanar(
-    faces: Sequence[BrepFace], at_edge: dict[tuple, set[int]], near: float
-) -> list[list[int]]:
-    """Plane faces that hang together by edges and lie in one plane; every other face alone."""
-    left = list(range(len(faces)))
-    groups = []
-    while left:
-        group = [left.pop(0)]
-        for index in group:
-            if faces[index].surface.kind != PLANE:
-                break
-            others = {k for use in real_uses(faces[index]) for k in at_edge[use.key]}
-            joined = [k for k in left if k in others and _same_plane(faces[index], faces[k], near)]
-            group += joined
-            left = [k for k in left if k not in joined]
-        groups.append(group)
-    return groups
-
-
-def _same_plane(face: BrepFace, other: BrepFace, near: float) -> bool:
-    if other.surface.kind != PLANE:
-        return False
-    origin, axes = plane_of(face)
-    normal = np.cross(*axes)
-    facing = face.outward * other.outward * float(normal @ np.cross(*plane_of(other)[1]))
-    return facing > 0 and bool(np.abs((edge_points(other) - origin) @ normal).max() < near)
-
-
-def _loops(
-    faces: Sequence[BrepFace], group: list[int], near: float
-) -> list[list[tuple[int, EdgeUse]]]:
-    """The holes of a group of faces: face and pass of each edge. The outer loop is the largest."""
-    if len(group) == 1:
-        loops = [[(group[0], use) for use in loop] for loop in faces[group[0]].loops]
-        loops = [loop for loop in loops if all(use.curve is not None for _, use in loop)]
-    else:
-        uses = [(k, use) for k in group for use in real_uses(faces[k])]
-        counts = Counter(use.key for _, use in uses)
-        loops = _chained(faces, [item for item in uses if counts[item[1].key] == 1], near)
-    if len(loops) < 2:
-        return []
-    sizes = [float(np.linalg.norm(np.ptp(_points(loop), axis=0))) for loop in loops]
-    return [loop for k, loop in enumerate(loops) if k != int(np.argmax(sizes))]
-
-
-def _points(loop: list[tuple[int, EdgeUse]]) -> Array:
-    return np.concatenate([points_on(use) for _, use in loop])
-
-
-def _chained(
-    faces: Sequence[BrepFace], uses: list[tuple[int, EdgeUse]], near: float
-) -> list[list[tuple[int, EdgeUse]]]:
-    """Passes along edges from end to end, closed loops only."""
-    ends = [
-        use.ends[:: use.sign * faces[k].outward] for k, use in uses
-    ]  # as the border of the group runs
-    left, loops = list(range(len(uses))), []
-    while left:
-        chain = [left.pop(0)]
-        while np.abs(ends[chain[-1]][1] - ends[chain[0]][0]).max() > near:
-            here = ends[chain[-1]][1]
-            after = [k for k in left if np.abs(ends[k][0] - here).max() <= near]
-            if not after:
-                break
-            chain.append(after[0])
-            left.remove(after[0])
-        else:
-            loops.append([uses[k] for k in chain])
-    return loops
-
-
-def _mouth(
+def _hole(
     faces: Sequence[BrepFace],
-    group: list[int],
-    loop: list[tuple[int, EdgeUse]],
-    at_edge: dict[tuple, set[int]],
+    group: frozenset[int],
+    ring: EdgeRing,
+    at_edge: dict[tuple, list[int]],
+    near: float,
 ) -> Mouth | None:
-    keys = frozenset(use.key for _, use in loop)
-    walls = frozenset(k for key in keys for k in at_edge[key]) - frozenset(group)
-    host = faces[loop[0][0]]
-    ring = _points(loop)
-    middle = 0.5 * (ring.min(axis=0) + ring.max(axis=0))
-    normal = _normal(host, loop[0][1])
+    """A hole in a group of faces, if the faces beyond go into the material."""
+    walls = _around(ring, at_edge) - group
+    normal = _normal(faces[ring.passes[0].face], ring.passes[0].use)
     if not walls or normal is None:
         return None
     beyond = np.concatenate([edge_points(faces[k]) for k in walls])
-    if (beyond - ring.mean(axis=0)).mean(axis=0) @ normal >= 0:  # a stub stands there
+    if (beyond - ring.points.mean(axis=0)).mean(axis=0) @ normal >= 0:  # a stub stands there
         return None
-    around = tuple(
-        replace(use, sign=-use.sign * faces[k].outward * host.outward) for k, use in reversed(loop)
-    )
-    cap = replace(host, number=0, loops=(around,), key=("cap", *sorted(map(hash, keys))))
-    return Mouth(
-        frozenset(group), walls, keys, cap, middle, float(np.ptp(ring, axis=0).max())
-    )
+    return _capped(faces, ring, group, at_edge, near)
+
+
+def _bore(
+    faces: Sequence[BrepFace], ring: EdgeRing, at_edge: dict[tuple, list[int]], near: float
+) -> Mouth | None:
+    """A circle between a bore and faces that go outwards from its end, and do not rise."""
+    for hosts in _sides(faces, ring, at_edge):
+        walls = _around(ring, at_edge) - hosts
+        if not hosts or not walls or not _is_bore(faces, ring, walls):
+            continue
+        axis = ring.normal
+        beyond = _rims(faces, walls) - ring.middle
+        axis = axis if float(beyond.mean(axis=0) @ axis) < 0 else -axis
+        outer = _rims(faces, hosts) - ring.middle
+        rise = outer @ axis
+        wide = np.linalg.norm(outer - np.multiply.outer(rise, axis), axis=1)
+        if rise.max() < near and wide.max() > 0.5 * ring.diameter + near:
+            return _capped(faces, ring, hosts, at_edge, near)
+    return None
+
+
+def _is_bore(faces: Sequence[BrepFace], ring: EdgeRing, walls: frozenset[int]) -> bool:
+    """Whether normals of the walls, out of the material, point to the middle of the ring."""
+    for k in walls:
+        for use in real_uses(faces[k]):
+            if use.key in ring.keys:
+                normal = _normal(faces[k], use)
+                arm = _middle(use) - ring.middle
+                if normal is None or normal @ arm > INWARDS * np.linalg.norm(arm):
+                    return False
+    return True
+
+
+def _rims(faces: Sequence[BrepFace], indices: frozenset[int]) -> Array:
+    """Points (n, 3) along edges of faces that are no seams."""
+    uses = [use for k in indices for use in real_uses(faces[k])]
+    counts = Counter(use.key for use in uses)
+    return np.concatenate([points_on(use) for use in uses if counts[use.key] == 1])
+
+
+def _sides(
+    faces: Sequence[BrepFace], ring: EdgeRing, at_edge: dict[tuple, list[int]]
+) -> tuple[frozenset[int], frozenset[int]]:
+    """The faces on both sides of a circle: those that its axis points to, and the others."""
+    first = set()
+    for key in ring.keys:
+        pair = at_edge[key]
+        heights = [float((edge_points(faces[k]) @ ring.normal).mean()) for k in pair]
+        first.add(pair[int(np.argmax(heights))])
+    return frozenset(first), _around(ring, at_edge) - first
+
+
+def _around(ring: EdgeRing, at_edge: dict[tuple, list[int]]) -> frozenset[int]:
+    return frozenset(k for key in ring.keys for k in at_edge[key])
+
+
+def _capped(
+    faces: Sequence[BrepFace],
+    ring: EdgeRing,
+    hosts: frozenset[int],
+    at_edge: dict[tuple, list[int]],
+    near: float,
+) -> Mouth | None:
+    """The mouth at a ring; None if its edges lie neither in a plane nor in one host."""
+    passes = _passes_of(faces, ring, hosts)
+    walls = _around(ring, at_edge) - hosts
+    if len(passes) != len(ring.keys) or not walls:
+        return None
+    key = ("cap", *sorted(map(hash, ring.keys)))
+    if ring.is_flat(near):
+        cap = _plane_cap(faces, passes, ring, key)
+    elif len({p.face for p in passes}) == 1:
+        lid = _curved_cap(faces[passes[0].face], passes)
+        if lid is None:
+            return None
+        cap = replace(lid, key=key)
+    else:
+        return None
+    return Mouth(hosts, walls, ring.keys, cap, ring.middle, ring.diameter)
+
+
+def _passes_of(faces: Sequence[BrepFace], ring: EdgeRing, hosts: frozenset[int]) -> list[Pass]:
+    """The ring's edges as the hosts pass them, in the order in which they follow each other."""
+    of_key = {
+        use.key: Pass(k, use) for k in hosts for use in real_uses(faces[k]) if use.key in ring.keys
+    }
+    passes = [of_key[p.use.key] for p in ring.passes if p.use.key in of_key]
+    same = passes and _run(faces, passes[0]) == _run(faces, ring.passes[0])
+    return passes if same else passes[::-1]
+
+
+def _run(faces: Sequence[BrepFace], item: Pass) -> int:
+    return item.use.sign * faces[item.face].outward
+
+
+def _plane_cap(
+    faces: Sequence[BrepFace], passes: list[Pass], ring: EdgeRing, key: tuple
+) -> BrepFace:
+    """A plane face whose border runs against the hosts; its normal continues theirs."""
+    around = tuple(replace(p.use, sign=-_run(faces, p)) for p in reversed(passes))
+    points = np.concatenate([_in_order(use) for use in around]) - ring.middle
+    area = np.cross(points, np.roll(points, -1, axis=0)).sum(axis=0)
+    normal = ring.normal * np.sign(area @ ring.normal)
+    x = np.cross(normal, np.eye(3)[np.argmin(np.abs(normal))])
+    x /= np.linalg.norm(x)
+    frame = np.array([ring.middle, normal, x, np.cross(normal, x)])
+    return BrepFace(0, 0, SurfaceRecord(PLANE, frame), np.eye(4), 1, (around,), key)
+
+
+def _curved_cap(host: BrepFace, passes: list[Pass]) -> BrepFace | None:
+    """The piece of the host's surface in its hole."""
+    around = [item.use for item in (passes if host.outward > 0 else passes[::-1])]
+    loop = parameter_loop(host, around)
+    return filled(host, loop) if loop is not None else None
+
+
+def _in_order(use: EdgeUse) -> Array:
+    points = points_on(use)
+    return points if use.sign > 0 else points[::-1]
+
+
+
+def _middle(use: EdgeUse) -> Array:
+    points = points_on(use)
+    return points[len(points) // 2]
 
 
 def _normal(host: BrepFace, use: EdgeUse) -> Array | None:

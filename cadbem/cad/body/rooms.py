@@ -25,8 +25,9 @@ class Fluid:
     """The faces round the fluid, normals (`outward` times ∂u × ∂v) out of it.
 
     If the file leaves a choice, `question` asks for it and `faces` are those of all candidates.
-    `ports` are names of faces by number; `bodies` the solids of the record that are the fluid, ()
-    if it is a room between them; `caps` the numbers of faces that no solid has.
+    `ports` are names of faces by number, `sheets` those that sheets on faces give them; `bodies`
+    the solids of the record that are the fluid, () if it is a room between them; `caps` the numbers
+    of faces that no solid has.
     """
 
     faces: tuple[BrepFace, ...]
@@ -35,6 +36,7 @@ class Fluid:
     warnings: tuple[str, ...] = ()
     bodies: tuple[int, ...] = ()
     caps: frozenset[int] = frozenset()
+    sheets: dict[int, str] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,12 +56,12 @@ class Room:
         return len(self.faces)
 
 
-def room_between(file: str, unit: Unit, faces: Sequence[BrepFace], fluid: str) -> Fluid:
+def void_room(file: str, unit: Unit, faces: Sequence[BrepFace], fluid: str) -> Fluid:
     """The room that `fluid` ("void", "void 2") selects; without faces if there is none.
 
     Raises CadError if there is no room of that number.
     """
-    rooms = find_rooms(faces)
+    rooms = find_rooms(faces, find_mouths(faces))
     listed = "; ".join(_words(n, room, unit) for n, room in enumerate(rooms[:LISTED], start=1))
     number = int(fluid.split()[1]) if fluid != "void" else 1
     if not rooms:
@@ -81,26 +83,35 @@ def room_between(file: str, unit: Unit, faces: Sequence[BrepFace], fluid: str) -
 
 def _words(number: int, room: Room, unit: Unit) -> str:
     """A room and its mouths, with place and diameter."""
-    mouths = [
-        f"{name} at [{', '.join(f'{x:.4g}' for x in m.middle / unit.millimetres + 0.0)}] "
-        f"{m.diameter / unit.millimetres:.3g} {unit.name} wide"
-        for name, m in zip(room.ports().values(), room.mouths.values(), strict=True)
-    ]
+    named = zip(room.ports().values(), room.mouths.values(), strict=True)
+    mouths = [f"{name} {place_of(mouth, unit)}" for name, mouth in named]
     volume = f"volume {room.volume / unit.millimetres**3:.3g}"
     plural = "s" * (len(room) != 1)
     return f"{number} with {', '.join([f'{len(room)} face{plural}', volume, *mouths])}"
 
 
-def find_rooms(faces: Sequence[BrepFace]) -> list[Room]:
+def place_of(mouth: Mouth, unit: Unit) -> str:
+    """Where a mouth is and how wide, in words."""
+    place = ", ".join(f"{x + 0.0:.4g}" for x in np.round(mouth.middle / unit.millimetres, 12))
+    return f"at [{place}] {mouth.diameter / unit.millimetres:.3g} {unit.name} wide"
+
+
+def find_rooms(
+    faces: Sequence[BrepFace], mouths: Sequence[Mouth], forced: Sequence[Mouth] = ()
+) -> list[Room]:
     """The rooms in solids with these faces (normals out of the material), large ones first. Caps
-    get numbers that no face has."""
-    mouths = find_mouths(faces)
+    get numbers that no face has. A step inside a room, with the room on both sides, is no mouth,
+    unless it is `forced`."""
+    mouths = [*mouths, *forced]
     labels, sides = _parts(faces, mouths)
     outside = {part for part in set(labels) if _volume(faces, mouths, labels, sides, part) > 0}
-    # a step inside a room is no mouth: what it divides is one room
-    mouths = [m for m, ends in zip(mouths, sides, strict=True) if len(set(ends) & outside) == 1]
+    mouths = [
+        mouth
+        for mouth, ends in zip(mouths, sides, strict=True)
+        if len(set(ends) & outside) == 1 or (mouth in forced and len(set(ends)) == 2)
+    ]
     labels, sides = _parts(faces, mouths)
-    order = sorted(range(len(mouths)), key=lambda k: _grid(faces, mouths[k].middle))
+    order = sorted(range(len(mouths)), key=lambda k: grid(faces, mouths[k].middle))
     number = 1 + max(face.number for face in faces)
     caps = {k: replace(mouths[k].cap, number=number + n) for n, k in enumerate(order)}
     rooms = []
@@ -110,9 +121,14 @@ def find_rooms(faces: Sequence[BrepFace]) -> list[Room]:
         own_faces = [face for face, label in zip(faces, labels, strict=True) if label == part]
         walls = [replace(face, outward=-face.outward) for face in own_faces]
         own = {caps[k].number: mouths[k] for k in order if part in sides[k]}
-        around = (*walls, *(caps[k] for k in order if part in sides[k]))
+        lids = [
+            replace(caps[k], outward=caps[k].outward * (1 if sides[k][1] == part else -1))
+            for k in order
+            if part in sides[k]
+        ]
+        around = (*walls, *lids)
         rooms.append(Room(around, own, enclosed(around)))
-    return sorted(rooms, key=lambda r: (-float(f"{r.volume:.6e}"), *_grid(faces, _middle(r))))
+    return sorted(rooms, key=lambda r: (-float(f"{r.volume:.6e}"), *grid(faces, _middle(r))))
 
 
 def _middle(room: Room) -> Array:
@@ -122,7 +138,7 @@ def _middle(room: Room) -> Array:
     return 0.5 * (points.min(axis=0) + points.max(axis=0))
 
 
-def _grid(faces: Sequence[BrepFace], point: Array) -> tuple[float, ...]:
+def grid(faces: Sequence[BrepFace], point: Array) -> tuple[float, ...]:
     """Coordinates so rounded that digits do not decide an order."""
     corners = np.concatenate([use.ends for face in faces for use in real_uses(face)])
     return tuple(np.round(point / (GRID * np.ptp(corners, axis=0).max())).tolist())

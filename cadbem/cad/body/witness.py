@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 from cadbem.boundary import Boundary
 from cadbem.cad.body.model import CadModel
 from cadbem.cad.faces.face_geometry import size_of
+from cadbem.points import gauss_measures
 
 COARSE = 0.03  # share of an area or volume by which the kernel's own may be off
 ORDER = 6  # Gauss points a direction and element
@@ -35,12 +36,10 @@ def _misplaced(model: CadModel, boundary: Boundary) -> list[str]:
     if not len(measures) or not known:
         return []
     tree, scale = cKDTree(measures[:, 1:]), model.unit.millimetres
-    groups: dict[int, list[int]] = {}
-    for index, patch in enumerate(boundary.patches):
-        groups.setdefault(patch.face, []).append(index)
+    places = _places(boundary)
     wrong = []
     for face in known:
-        area, middle = _measure(boundary, groups[face.number])
+        area, middle = places[face.number]
         near = tree.query_ball_point(scale * middle, COARSE * size_of(face))
         areas = measures[near, 0]
         if not (np.abs(areas - scale**2 * area) <= COARSE * areas).any():
@@ -53,8 +52,16 @@ def _misplaced(model: CadModel, boundary: Boundary) -> list[str]:
     ]
 
 
-def _measure(boundary: Boundary, indices: Sequence[int]) -> tuple[float, np.ndarray]:
-    """Area and middle (3,) of patches."""
-    points, weights = Boundary(tuple(boundary.patches[k] for k in indices)).quadrature(ORDER)
-    area = float(weights.sum())
-    return area, points.position @ weights / area
+def _places(boundary: Boundary) -> dict[int, tuple[float, np.ndarray]]:
+    """Area and middle (3,) of each face, by number."""
+    position, normal, weights = gauss_measures([p.surface for p in boundary.patches], ORDER)
+    sizes = np.linalg.norm(normal, axis=0) * weights
+    counts = [ORDER**2 * math.prod(len(p.surface.breaks(d)) - 1 for d in (0, 1))
+              for p in boundary.patches]  # fmt: skip
+    owner = np.repeat([patch.face for patch in boundary.patches], counts)
+    found = {}
+    for face in np.unique(owner):
+        own = owner == face
+        area = float(sizes[own].sum())
+        found[int(face)] = area, position[:, own] @ sizes[own] / area
+    return found

@@ -8,7 +8,7 @@ from cadbem.boundary import Boundary
 from cadbem.cad.body.shells import find_shells
 from cadbem.cad.export.iges_export import iges_text
 from cadbem.cad.export.step_export import step_text
-from cadbem.cad.text.source import ENDINGS
+from cadbem.cad.text.source import WRITTEN
 from cadbem.errors import CadError
 
 WRITERS = {"step": step_text, "iges": iges_text}
@@ -27,7 +27,7 @@ def write_patches(path: str | Path, boundary: Boundary, *, overwrite: bool = Fal
     eight characters.
     """
     path = Path(path)
-    kind = ENDINGS.get(path.suffix.lower())
+    kind = WRITTEN.get(path.suffix.lower())
     if kind is None:
         raise CadError(
             f"{path.name}: unknown ending '{path.suffix}'; write .step, .stp, .igs, .iges"

@@ -1,6 +1,7 @@
 """The child process in which the CAD kernel runs, as it may print, crash or hang.
 
-Run as a script: `_child.py record INPUT FOLDER ROOM` or `_child.py mesh INPUT FOLDER SIZE` (mm).
+Run as a script: `_child.py record INPUT FOLDER ROOM SEW`, `_child.py mesh INPUT FOLDER SIZE` (mm).
+SEW is the largest gap, per size, that is sewn, 0 for the usual ones.
 ROOM is "solid" (the file's shapes as they are), "all" (solids that touch made to share their faces)
 or "void" (the solids' box without the solids); `_child.py section INPUT FOLDER PLANE` makes plane
 figures. Writes `model.json` with what was
@@ -17,15 +18,16 @@ from pathlib import Path
 from runpy import run_path
 
 
-def main(task: str, source: str, folder: str, option: str) -> None:
+def main(task: str, source: str, folder: str, option: str, sew: str = "0") -> None:
     limit_memory()
     import gmsh
 
     gmsh.initialize(interruptible=False, readConfigFiles=False)
     gmsh.option.setNumber("General.Verbosity", 2)
     try:
-        found = _section(gmsh, source, option) if task == "section" else _import(gmsh, source)
-        if task == "section":
+        section = task == "section"
+        found = _section(gmsh, source, option) if section else _import(gmsh, source, float(sew))
+        if section:
             gmsh.write(str(Path(folder, "model.brep")))
         elif task == "record":
             found |= _prepared(gmsh, option)
@@ -57,8 +59,8 @@ def _check_room(path: Path) -> None:
     path.unlink()
 
 
-def _import(gmsh, source: str) -> dict:
-    found = _beside("_joining")["imported"](gmsh, source)
+def _import(gmsh, source: str, sew: float) -> dict:
+    found = _beside("_joining")["imported"](gmsh, source, sew)
     return _found(gmsh) | found
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 SEWING = (1e-9, 1e-8, 1e-7, 1e-6, 1e-5)  # tolerances tried, per size of the model
 SMALL = 1e-6  # edges shorter and faces narrower than this, per size of the model, are mistakes
+APART = 20.0  # extent of a model, in extents of its largest face, from which parts are far apart
 SAME = 1e-6  # difference of place, per size of the model, and of area of faces that are the same
 POLE = "Unknown"  # the kernel's word for an edge that is a point
 REMEDIES = (
@@ -14,13 +15,14 @@ REMEDIES = (
 )
 
 
-def imported(gmsh, source: str) -> dict:
-    """Reads the file; says whether faces were `sewn`, and in words what was `healed`."""
+def imported(gmsh, source: str, most: float = 0.0) -> dict:
+    """Reads the file; says whether faces were `sewn`, and in words what was `healed`. Gaps up to
+    `most` per size are sewn, if those of `SEWING` do not do."""
     _load(gmsh, source)
     sewing, twice = 0.0, 0
     loose = bool(gmsh.model.getEntities(2)) and not gmsh.model.getEntities(3)
     if loose:
-        sewing, twice = _sew(gmsh, source)
+        sewing, twice = _sew(gmsh, source, most)
     healed = []
     if twice:
         healed = [f"{twice} face{' was' if twice == 1 else 's were'} there twice and left out once"]
@@ -49,20 +51,27 @@ def _heal(gmsh, source: str, tolerance: float, remedies: dict, loose: bool) -> N
 
 
 def _size(gmsh) -> float:
-    box = gmsh.model.getBoundingBox(-1, -1)
+    """The model's extent; of parts far apart that of the largest face, times `APART`."""
+    faces = [_extent(gmsh.model.getBoundingBox(2, tag)) for _, tag in gmsh.model.getEntities(2)]
+    whole = _extent(gmsh.model.getBoundingBox(-1, -1))
+    return min(whole, APART * max(faces, default=whole))
+
+
+def _extent(box) -> float:
     return max(high - low for low, high in zip(box[:3], box[3:], strict=True))
 
 
 # Sewing: only what is needed
 
 
-def _sew(gmsh, source: str) -> tuple[float, int]:
+def _sew(gmsh, source: str, most: float) -> tuple[float, int]:
     """Join loose faces into solids, or at least to each other. The smallest tolerance (returned)
     that does best is taken, 0 if faces are as well off as they were; and faces that are there twice
     (their number is returned) are taken once if that closes the rest."""
     size = _size(gmsh)
     found = [(_looseness(gmsh), 0.0)]
-    for tolerance in SEWING:
+    wider = [most * share for share in (0.1, 0.3, 1.0) if most * share > SEWING[-1]]
+    for tolerance in (*SEWING, *wider):
         _heal(gmsh, source, tolerance * size, {"sewFaces": True}, True)
         found.append((_looseness(gmsh), tolerance * size))
         if gmsh.model.getEntities(3) and not _loose_faces(gmsh):

@@ -45,15 +45,18 @@ class KernelModel:
     volumes: tuple[float, ...] = ()
 
 
-def import_model(source: CadSource, time_limit: float, room: str = "solid") -> KernelModel:
-    """Read the file; loose faces (IGES) are sewn into a solid if they fit together.
+def import_model(
+    source: CadSource, time_limit: float, room: str = "solid", sew: float = 0.0
+) -> KernelModel:
+    """Read the file; loose faces (IGES) are sewn into a solid if they fit together, within the
+    file's digits or within `sew` per size of the model.
 
     `room`: "solid" leaves solids as they are, "all" makes those that touch share their faces,
     "void" takes them out of their box.
     Raises CadError if the kernel fails, crashes or takes longer than `time_limit` seconds.
     """
     with _temporary(source) as folder:
-        found, log = _run(source, folder, time_limit, "record", room)
+        found, log = _run(source, folder, time_limit, "record", room, repr(sew))
         record = folder / "model.brep"
         brep = record.read_text() if record.exists() else ""
     return KernelModel(

@@ -150,7 +150,7 @@ def _plane_chart(face: BrepFace) -> PlaneChart | None:
             for use in uses if use.curve is not None
         ]  # fmt: skip
         loops.append(trims)
-    region = _region(loops)
+    region = region_from(loops)
     return PlaneChart((region,), origin, axes) if region else None
 
 
@@ -166,7 +166,7 @@ def _surface_chart(face: BrepFace) -> SurfaceChart | None:
         [_trim(_projected(curve_of(use), np.diag(scale), np.zeros(2)), use) for use in uses]
         for uses in face.loops
     ]
-    region = _region(loops, lambda flat: surface.points(*(flat / scale[:, None])))
+    region = region_from(loops, lambda flat: surface.points(*(flat / scale[:, None])))
     if region is None:
         return None
     regions = [region]
@@ -191,7 +191,7 @@ def _projected(record: CurveRecord | None, matrix: Array, shift: Array) -> Curve
     return replace(record, frame=frame)
 
 
-def _region(loops: list[list[TrimmingCurve]], lift: Lift | None = None) -> Region | None:
+def region_from(loops: list[list[TrimmingCurve]], lift: Lift | None = None) -> Region | None:
     """Loops with their trims in order, straight ones simplified; where trims part although
     their ends are one point in space (`lift`), at a pole, a straight one is put between."""
     ends = [trim.points(np.array([0.0, 1.0])) for trims in loops for trim in trims]

@@ -10,17 +10,23 @@ meet corner to corner.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
 from cadbem.cad.layout.cuts import best_cuts
+from cadbem.cad.layout.necks import without_necks
 from cadbem.cad.layout.parts import POOR, Part, collapsed, four_sided
 from cadbem.cad.layout.patterns import patterns
 from cadbem.cad.layout.region import Region
+from cadbem.cad.layout.short_edges import without_short_edges
 from cadbem.cad.layout.tips import without_tips
 
 DRAWN = 0.2  # quality above which a face that was drawn with four sides is left whole
 GOOD = 0.5  # quality above which fewer parts are better than better ones
+SAME = 1e-10  # distance, per size, within which regions are the same
+ENDS = np.array([0.0, 0.31, 0.5, 1.0])  # fractions of trims that are compared
+REMEMBERED = 16  # regions whose division is kept
 PATCH_COST = 0.02  # quality that one more patch must gain
 BRANCHES = 4
 TRIALS = 16  # regions that are cut while looking for better ways
@@ -35,15 +41,45 @@ class _Search:
     trials: int
 
 
+class _Figure:
+    """A region as a key: regions of the same figure, as of a floor and the ceiling over it, are
+    divided alike."""
+
+    def __init__(self, region: Region) -> None:
+        self.region = region
+        ends = [trim.points(ENDS).T.ravel() for trim in region.trims]
+        grid = SAME * 10.0 ** np.ceil(np.log10(max(region.size, 1e-300)))
+        rounded = np.round(np.array(ends) / grid).tolist()
+        self._key = (grid, *sorted(map(tuple, rounded)))
+
+    def __hash__(self) -> int:
+        return hash(self._key)
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, _Figure) and self._key == other._key
+
+
 def divided(region: Region) -> list[Part] | None:
     """Parts that fill the region, or None if no way was found.
 
     Every part covers its area once: its quality is at least `POOR`.
     """
+    found = _divided_once(_Figure(region))
+    return None if found is None else list(found)
+
+
+@lru_cache(maxsize=REMEMBERED)
+def _divided_once(figure: _Figure) -> list[Part] | None:
+    region = figure.region
     whole = collapsed(region.loops[0]) if len(region.loops) == 1 else None
     if whole and whole.quality >= DRAWN:
         return [whole]
-    parts, rest = without_tips(region)
+    parts: list[Part] = []
+    rest = without_necks(region)
+    for rule in (without_tips, without_short_edges):
+        cut = [rule(left) for left in rest]
+        parts += [part for found, _ in cut for part in found]
+        rest = [left for _, remaining in cut for left in remaining]
     for left in rest:
         found = _divided(left, _Search(TRIALS), MOST_PARTS)
         if not found:

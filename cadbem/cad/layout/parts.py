@@ -14,6 +14,7 @@ from cadbem.spline.basis import Array
 POOR = 0.12  # least quality of a part that is used
 CUSP = np.radians(15)  # corner in which a patch is collapsed
 COLLAPSED = 0.3  # largest quality of such a patch: others are preferred
+NEARLY_A_POINT = 0.03  # length of a side, per that of the opposite one, that is like a point
 CORNER, STRAIGHT = np.radians(160), np.radians(40)  # largest corner; largest kink within a side
 
 Side = tuple[TrimmingCurve, ...]
@@ -91,7 +92,8 @@ def part_of(sides: list[Side]) -> Part | None:
 
 def part_quality(sides: list[Side]) -> float:
     """The smaller of the least sine between parameter lines and four times the ratio of least to
-    largest area element of the Coons map; if a side is a point, of the sine and `COLLAPSED`."""
+    largest area element of the Coons map; where a side is or nearly is a point, of the sine and
+    `COLLAPSED` if that is more."""
     points = coons_points([along(side, np.linspace(0, 1, 11)) for side in sides])
     forth = np.diff(points, axis=1)
     up = np.diff(points, axis=2)
@@ -107,7 +109,14 @@ def part_quality(sides: list[Side]) -> float:
     if any(len(side) == 1 and side[0].length == 0 for side in sides):
         return min(quality, COLLAPSED)
     largest = float(np.max(elements))
-    return min(quality, 4 * float(np.min(elements)) / largest) if largest > 0 else -1.0
+    even = 4 * float(np.min(elements)) / largest if largest > 0 else -1.0
+    return min(quality, max(even, COLLAPSED) if _nearly_collapsed(sides) else even)
+
+
+def _nearly_collapsed(sides: list[Side]) -> bool:
+    """Whether a side is so much shorter than the opposite one that the part is like a triangle."""
+    lengths = [sum(trim.length for trim in side) for side in sides]
+    return any(lengths[k] < NEARLY_A_POINT * lengths[k - 2] for k in range(4))
 
 
 def ends_of(side: Side) -> Array:

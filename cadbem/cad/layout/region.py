@@ -13,6 +13,7 @@ from cadbem.cad.layout.trimming_curves import TrimmingCurve, line, turns
 from cadbem.spline.basis import Array
 
 Loop = tuple[TrimmingCurve, ...]
+TOUCHING = 1e-6  # distance, per size, at which a hole's corner lies on the outer loop
 LEAST_PART = 1e-9  # share of a trim that is not cut off
 
 
@@ -191,15 +192,33 @@ def _crossings(region: Region, axis: int, value: float) -> list[BorderPoint]:
 
 def region_of(loops: list[Loop]) -> Region | None:
     """Loops in any direction and order as a region; None if they enclose nothing."""
-    turned = []
+    directed = []
     areas = [loop_area(loop) for loop in loops]
     if not loops or max(map(abs, areas)) == 0:
         return None
     outer = int(np.argmax(np.abs(areas)))
     for index, (loop, area) in enumerate(zip(loops, areas, strict=True)):
         backwards = area < 0 if index == outer else area > 0
-        turned.append(tuple(s.reversed() for s in reversed(loop)) if backwards else loop)
-    return _arranged([turned.pop(outer), *turned])
+        directed.append(tuple(s.reversed() for s in reversed(loop)) if backwards else loop)
+    return _spliced(_arranged([directed.pop(outer), *directed]))
+
+
+def _spliced(region: Region) -> Region:
+    """Holes whose corner lies on the outer loop made part of it: it passes that corner twice."""
+    outer, *holes = region.loops
+    for hole in holes:
+        for k, trim in enumerate(hole):
+            corner = trim.samples[:, :1]
+            alone = Region((outer,))
+            gaps = distance(corner, alone.segments)[0]
+            if gaps.min() > TOUCHING * region.size:
+                continue
+            nearest = int(np.argmin(gaps))
+            place = alone.border_point(nearest, float(alone.shares(corner)[0, nearest]))
+            around = *turned(outer, place), *turned(hole, BorderPoint(k, 0.0))
+            others = [loop for loop in region.loops[1:] if loop is not hole]
+            return _spliced(_arranged([merged(around), *others]))
+    return region
 
 
 def loop_area(loop: Loop) -> float:

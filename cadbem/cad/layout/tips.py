@@ -45,7 +45,7 @@ def _cut_tip(region: Region) -> tuple[Part, list[Region]] | None:
             continue
         for share in SHARES:
             length = share * min(after.length, ahead.length)
-            first, last = (_at_distance(trim, length) for trim in (after, ahead))
+            first, last = (at_distance(trim, length) for trim in (after, ahead))
             if first is None or last is None:
                 continue
             cut = region.cut(BorderPoint(k, first), BorderPoint(before, 1 - last))
@@ -56,7 +56,7 @@ def _cut_tip(region: Region) -> tuple[Part, list[Region]] | None:
     return None
 
 
-def _at_distance(trim: TrimmingCurve, length: float) -> float | None:
+def at_distance(trim: TrimmingCurve, length: float) -> float | None:
     """The first fraction of a curve that is so far from its start; None if it is short."""
     start = trim.samples[:, :1]
     beyond = np.flatnonzero(np.hypot(*(trim.samples - start)) > length)

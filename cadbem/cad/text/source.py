@@ -10,8 +10,28 @@ from pathlib import Path
 from cadbem.checks import instance
 from cadbem.errors import CadError, printable
 
-ENDINGS = {".step": "step", ".stp": "step", ".igs": "iges", ".iges": "iges"}
-_FORMATS = {"step": "STEP", "iges": "IGES"}
+WRITTEN = {".step": "step", ".stp": "step", ".igs": "iges", ".iges": "iges"}
+ENDINGS = WRITTEN | {".brep": "brep", ".brp": "brep"}
+_FORMATS = {"step": "STEP", "iges": "IGES", "brep": "OpenCASCADE's BREP"}
+_OTHERS = {  # endings of files that people have, what they hold, and what to do
+    "stl obj ply off 3mf amf wrl glb gltf": (
+        "a mesh of triangles, from which no smooth surface can be had",
+        "export STEP from the program in which the part was drawn",
+    ),
+    "msh vtk vtu vtp inp unv med cgns bdf nas mesh neu cas": (
+        "a mesh, from which no smooth surface can be had",
+        "take the STEP or IGES file that was meshed",
+    ),
+    "dxf gds gdsii": (
+        "a plane drawing",
+        "read_layout(path, height=...) makes a channel of it, read_outline a plane boundary",
+    ),
+    "oas oasis cif svg pdf ai dwg": ("a plane drawing", "save it as DXF or GDS, for read_layout"),
+    "sldprt sldasm ipt iam f3d fcstd prt asm par catpart x_t x_b sat 3dm skp blend jt": (
+        "in the format of one program",
+        "export it there as STEP (AP214 or AP242)",
+    ),
+}
 _NOT_A_NUMBER = re.compile(
     r"(?<=[(,=\s])[+-]?(?:nan|inf|infinity|\d*+\.#\w++)(?:\(\w++\))?(?=\s*+[,;)])", re.IGNORECASE
 )
@@ -23,7 +43,7 @@ _START = re.compile(r"\s*+(?>/\*.*?\*/\s*+)*+ISO-10303-21\s*+;", re.DOTALL)
 
 @dataclass(frozen=True)
 class CadSource:
-    """A file of a known kind: "step" or "iges"."""
+    """A file of a known kind: "step", "iges" or "brep"."""
 
     name: str
     kind: str
@@ -54,7 +74,7 @@ def read_source(path: str | Path) -> CadSource:
     if not os.path.exists(path):
         raise CadError(f"{str(path):.300}: no such file")
     if kind is None:
-        raise CadError(f"{name}: unknown ending '{path.suffix}'; use .step, .stp, .iges or .igs")
+        raise CadError(f"{name}: {_what_to_do(path.suffix)}")
     try:
         if path.stat().st_size > MOST_BYTES:
             raise CadError(f"{name}: a file above {MOST_BYTES >> 20} MB is not read; simplify it")
@@ -65,6 +85,14 @@ def read_source(path: str | Path) -> CadSource:
     _check_content(source)
     _check_numbers(source)
     return source
+
+
+def _what_to_do(suffix: str) -> str:
+    """What a file with another ending holds, and the remedy."""
+    for endings, (what, remedy) in _OTHERS.items():
+        if suffix.lower()[1:] in endings.split():
+            return f"'{suffix}' is {what}; {remedy}"
+    return f"unknown ending '{suffix}'; use .step, .stp, .iges, .igs or .brep"
 
 
 def _check_content(source: CadSource) -> None:
@@ -88,6 +116,8 @@ def _check_content(source: CadSource) -> None:
 def _kind_of(text: str) -> str | None:
     if _START.match(text):
         return "step"
+    if re.match(r"\s*(DBRep_DrawableShape\s+)?CASCADE Topology V\d", text):
+        return "brep"
     first = text.split("\n", 1)[0].rstrip("\r")
     return "iges" if re.fullmatch(r".{72}[SG] *\d+ *", first) else None
 
@@ -95,6 +125,8 @@ def _kind_of(text: str) -> str | None:
 def _is_complete(source: CadSource) -> bool:
     if source.kind == "step":
         return re.search(r"END-ISO-10303-21\s*;", source.text[-2000:]) is not None
+    if source.kind == "brep":  # the last line places the whole shape
+        return re.search(r"\*\s+\+\d+ \d+\s*\d*\s*$", source.text[-2000:]) is not None
     return any(line[72:73] == "T" for line in source.text.splitlines()[-5:])
 
 
@@ -113,6 +145,8 @@ def _check_numbers(source: CadSource) -> None:
 
 def _without_labels(source: CadSource) -> str:
     """The text, line by line, without strings (STEP) or directory and sequence columns (IGES)."""
+    if source.kind == "brep":
+        return source.text
     if source.kind == "step":
         return re.sub(r"'[^']*'", lambda m: "''" + "\n" * m[0].count("\n"), source.text)
     lines = source.text.splitlines()
