@@ -167,6 +167,7 @@ def test_info_tells_chips_from_fluids(folder: Path, capsys: pytest.CaptureFixtur
     assert main(["info", str(path), "--between", "mouth 1", "mouth 2"]) == 0
     said = capsys.readouterr().out
     assert "looks like a chip" not in said and "volume     1.83 mm^3" in said
+    assert "mouths of the room: mouth_1 at [2, 2, 3] mm, 0.5 mm wide; mouth_2 at [8, 2, 3]" in said
     gmsh.clear()
     occ.cut([(3, occ.addBox(0, 0, 0, 9, 4, 1))], [(3, occ.addCylinder(4, 2, 0, 0, 0, 1, 0.5))])
     assert inspect_cad(exported(folder / "pillar.step")).remarks == ()

@@ -110,6 +110,14 @@ def test_a_few_random_drawings(folder: Path, check):
     assert any([check(folder, seed) for seed in range(2)])
 
 
+@pytest.mark.filterwarnings("ignore::cadbem.errors.CadWarning")
+def test_an_outline_that_crosses_itself_is_refused(folder: Path):
+    """The drawing of this seed has two arcs that cross near [0.18, -0.31]."""
+    prism(Random(5015))
+    with pytest.raises(CadError, match=r"cross at \[0.18\d*, -0.3"):
+        read_cad(exported(folder / "crossed.step"))
+
+
 @pytest.mark.long
 @pytest.mark.filterwarnings("ignore::cadbem.errors.CadWarning")
 @pytest.mark.parametrize(("check", "count"), [(check_prism, 300), (check_boolean, 100)])

@@ -14,8 +14,11 @@ WIDE = 3.0  # faces this many times as wide as a hole in them, or wider, are no 
 
 
 def chip_remarks(path: str | Path, model: CadModel, time_limit: float) -> list[str]:
-    """A line with all mouths if solids with openings into them have been taken for the fluid."""
-    if not model.kernel.solids or model.ports or model.kernel.box:
+    """A line with all mouths if solids with openings into them have been taken for the fluid; of a
+    room in solids one with the mouths that it has."""
+    if model.ports:
+        return [f"{model.file}: mouths of the room: {'; '.join(_mouths(model))}"]
+    if not model.kernel.solids or model.kernel.box:
         return []
     try:  # solids that touch may close a room together
         whole = open_model(path, time_limit, fluid="all") if model.question else model
@@ -28,6 +31,17 @@ def chip_remarks(path: str | Path, model: CadModel, time_limit: float) -> list[s
         f"{model.file}: this looks like a chip, with openings into it, not like a fluid; for the "
         "room inside say fluid='void', or pick its mouths as in between=('mouth 1', 'mouth 2'): "
         + found.listed()
+    ]
+
+
+def _mouths(model: CadModel) -> list[str]:
+    """Name, place and width of each mouth of a room."""
+    scale, unit = model.unit.millimetres, model.unit.name
+    return [
+        f"{model.names[face.number]} at {model.place(model.centre(face))}, "
+        f"{size_of(face) / scale:.3g} {unit} wide"
+        for face in model.faces
+        if face.number in model.ports
     ]
 
 

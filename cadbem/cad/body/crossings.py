@@ -170,7 +170,7 @@ def _straddling(
         length = np.linalg.norm(normal, axis=1)
         normal = normal / np.maximum(length, 1e-300)[:, None]
         off = ((corners - base.mean(axis=1)[:, None]) * normal[:, None]).sum(axis=2)
-        room = 0.5 * sags[one[:, 0]] + near
+        room = 0.02 * sags[one[:, 0]] + near  # what only seems to cross is found out later
         kept &= (off.min(axis=1) < -room) & (off.max(axis=1) > room)
     return zip(first[kept], second[kept], strict=True)
 

@@ -24,7 +24,7 @@ from cadbem.cad.layout.tips import without_tips
 
 DRAWN = 0.2  # quality above which a face that was drawn with four sides is left whole
 GOOD = 0.5  # quality above which fewer parts are better than better ones
-SAME = 1e-10  # distance, per size, within which regions are the same
+SAME = 1e-14  # distance, per size, within which regions are the same
 ENDS = np.array([0.0, 0.31, 0.5, 1.0])  # fractions of trims that are compared
 REMEMBERED = 16  # regions whose division is kept
 PATCH_COST = 0.02  # quality that one more patch must gain

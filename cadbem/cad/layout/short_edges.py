@@ -5,13 +5,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from cadbem.cad.layout.parts import POOR, Part, four_sided
+from cadbem.cad.layout.parts import Part, four_sided
 from cadbem.cad.layout.region import BorderPoint, Region
 from cadbem.cad.layout.tips import at_distance
 from cadbem.cad.layout.trimming_curves import TrimmingCurve
 
 SHORT = 0.03  # length, per that of the shorter neighbour, below which an edge is short
 CORNER = np.radians(150.0)  # largest angle between neighbours of an edge that takes off a corner
+LEAST = 0.28  # quality of such a part below which other ways are tried
 SHARES = (0.5, 0.3, 0.15)  # of the shorter neighbour, tried as the part's length
 
 
@@ -65,6 +66,6 @@ def _part(
     cut = region.cut(BorderPoint(following, last), BorderPoint(before, 1 - first))
     corner = min(cut, key=lambda piece: abs(piece.area))
     part = four_sided(corner.loops[0]) if len(cut) == 2 and len(corner.loops) == 1 else None
-    if part is None or part.quality < POOR:
+    if part is None or part.quality < LEAST:
         return None
     return part, [other for other in cut if other is not corner]
