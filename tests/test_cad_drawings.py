@@ -10,7 +10,7 @@ import pytest
 
 from cadbem.boundary import Boundary
 from cadbem.cad import read_layout, read_outline
-from cadbem.errors import CadError, CadWarning
+from cadbem.errors import CadError, CadWarning, InputError
 
 UM, MM = 13, 4  # $INSUNITS
 
@@ -75,7 +75,6 @@ def test_ports_at_points(tmp_path: Path):
     for ports, words in (
         ([(600, 500)], "no curve of the outline is at the port"),
         ([(0, 90), (0, 110)], "two ports are on the same curve"),
-        ([(0, 1, 2)], "a port is a point"),
     ):
         with pytest.raises(CadError, match=words):
             read_layout(path, 50, layer="channels", ports=ports)
@@ -155,7 +154,7 @@ def test_what_drawings_leave_open(tmp_path: Path):
     ):
         with pytest.raises(CadError, match=words):
             read_layout(path, 1.0, **options)
-    with pytest.raises(CadError, match="height=0"):
+    with pytest.raises(InputError, match="height"):
         read_layout(path, 0, layer="channels")
     with pytest.raises(CadError, match="leave out point and normal"):
         read_outline(path, normal=(0, 0, 1), layer="channels")

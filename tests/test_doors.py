@@ -324,7 +324,7 @@ DOORS: dict[str, Door] = {
         "time_limit": SIZES[:5] + SIZES[6:], "tolerance": SHARES}),
     "tube_resistance": (lambda **w: cb.tube_resistance(
         **{"viscosity": 1.0, "length": 1.0, "bore": 1.0} | w), {
-        "viscosity": SIZES, "length": SIZES, "bore": SIZES}),
+        "viscosity": SIZES, "length": (*NOT_FINITE, -1.0), "bore": SIZES}),
     "uniaxial_extension": (cb.uniaxial_extension, {"rate": NOT_FINITE}),
 }  # fmt: skip
 CASES = [

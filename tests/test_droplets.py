@@ -336,5 +336,5 @@ def test_fastest_relaxation_is_bounded(axes):
     for _ in range(60):
         wave /= np.linalg.norm(wave)
         wave = (slope(shape.coefficients + 1e-5 * wave) - start) / 1e-5
-    bound = run.fastest(run.start)
+    bound = run.march.fastest(run.start)
     assert bound / 2 < np.linalg.norm(wave) < bound

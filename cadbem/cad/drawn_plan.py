@@ -105,8 +105,6 @@ def _at_points(drawing: Drawing, plan: Boundary, ports: Sequence[ArrayLike]) -> 
     found: list[int] = []
     for given in ports:
         point: Array = np.asarray(given, dtype=float)
-        if point.shape != (2,):
-            raise CadError(f"{drawing.file}: a port is a point (x, y), not {given!r}")
         gaps = [closest_point(patch.surface, point)[1] for patch in plan.patches]
         nearest = int(np.argmin(gaps))
         place = in_words(drawing.unit.millimetres * point, drawing.unit)

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from cadbem.boundary import Boundary
-from cadbem.checks import finite, positive
+from cadbem.checks import finite, not_negative, positive
 from cadbem.design.overview import network_overview
 from cadbem.errors import AccuracyWarning, ConditionError, SelectionError
 from cadbem.operators.compressed.layers import CompressedLayers
@@ -197,8 +197,9 @@ def hydraulic_network(
 
 def tube_resistance(viscosity: float, length: float, bore: float) -> float:
     """128 μ L / (π d⁴) of a round tube (Hagen and Poiseuille), pressure drop over flow rate."""
-    for name, value in (("viscosity", viscosity), ("length", length), ("bore", bore)):
-        positive(name, value)
+    positive("viscosity", viscosity)
+    not_negative("length", length)  # 0: no tube
+    positive("bore", bore)
     return 128 * viscosity * length / (np.pi * bore**4)
 
 

@@ -68,7 +68,7 @@ def checks() -> tuple[Check, ...]:
 @cache
 def moving(shape: Callable[[], tuple[Nurbs, ...]]) -> StokesSolution:
     """A unit sphere that moves along x and turns about y."""
-    return flow_around(shape(), 0, 2, MOTION)
+    return flow_around(shape(), 1, 2, MOTION)
 
 
 def drag(shape: Callable[[], tuple[Nurbs, ...]]) -> float:
