@@ -9,6 +9,7 @@ import numpy as np
 
 from cadbem.elements.pieces import Elements, Pieces
 from cadbem.kernels.stokes import stokes_kernels
+from cadbem.operators.compressed.storage import Dense
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
 from cadbem.problems.conditions import Inflow, Pressure, Traction
@@ -18,6 +19,10 @@ from cadbem.problems.stokes import StokesProblem
 from cadbem.quadrature import Quadrature, Rules
 from cadbem.spline.basis import Array
 from cadbem.suspension.surroundings.surroundings import Nearest
+
+# points up to which the whole matrix is kept: it is solved with at each step, and among large and
+# small elements iterations converge slowly
+MOST_DENSE = 6000
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +64,11 @@ class ChannelFlow:
         """The problem on the elements that are solved on."""
         if self.pieces is None:
             return self.problem
-        return self.problem.on(self.pieces.of(self.problem.boundary))
+        boundary, problem = self.pieces.of(self.problem.boundary), self.problem
+        count = sum(p.surface.weights.size for p in boundary.patches)
+        if problem.storage is None and count <= MOST_DENSE:
+            problem = replace(problem, storage=Dense())
+        return problem.on(boundary)
 
     @property
     def viscosity(self) -> float:
