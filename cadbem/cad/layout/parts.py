@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
 
-from cadbem.cad.layout.region import Loop, interior_angles
+from cadbem.cad.layout.region import Loop, Region, interior_angles
 from cadbem.cad.layout.trimming_curves import TrimmingCurve, line
 from cadbem.spline.basis import Array
 
@@ -148,3 +149,21 @@ def coons_points(borders: list[Array]) -> Array:
     low = (1 - xi) * south[:, :1, None] + xi * south[:, -1:, None]
     high = (1 - xi) * north[:, :1, None] + xi * north[:, -1:, None]
     return ruled - (1 - eta) * low - eta * high
+
+
+def taken_off(
+    region: Region, cut: Callable[[Region], tuple[Part, list[Region]] | None]
+) -> tuple[list[Part], list[Region]]:
+    """Parts that are ``cut`` off a region one after another, and what is left when there are no
+    more: ``cut`` gives one part and the rest, or None."""
+    parts: list[Part] = []
+    left, done = [region], []
+    while left:
+        whole = left.pop()
+        found = cut(whole)
+        if found is None:
+            done.append(whole)
+        else:
+            parts.append(found[0])
+            left += found[1]
+    return parts, done

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from cadbem.cad.layout.parts import Part, four_sided
+from cadbem.cad.layout.parts import Part, four_sided, taken_off
 from cadbem.cad.layout.region import BorderPoint, Region
 from cadbem.cad.layout.tips import at_distance
 from cadbem.cad.layout.trimming_curves import TrimmingCurve
@@ -18,18 +18,7 @@ SHARES = (0.5, 0.3, 0.15)  # of the shorter neighbour, tried as the part's lengt
 
 def without_short_edges(region: Region) -> tuple[list[Part], list[Region]]:
     """Parts at the short edges of a region, and what is left of it."""
-    parts: list[Part] = []
-    left = [region]
-    done: list[Region] = []
-    while left:
-        whole = left.pop()
-        found = _cut_off(whole)
-        if found is None:
-            done.append(whole)
-        else:
-            parts.append(found[0])
-            left += found[1]
-    return parts, done
+    return taken_off(region, _cut_off)
 
 
 def _cut_off(region: Region) -> tuple[Part, list[Region]] | None:

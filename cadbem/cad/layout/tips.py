@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 from scipy.optimize import brentq
 
-from cadbem.cad.layout.parts import CUSP, Part, collapsed
+from cadbem.cad.layout.parts import CUSP, Part, collapsed, taken_off
 from cadbem.cad.layout.region import BorderPoint, Region
 from cadbem.cad.layout.trimming_curves import TrimmingCurve
 
@@ -19,18 +19,7 @@ SHARES = (0.45, 0.3, 0.15, 0.05)  # of the shorter curve at a tip, tried as its 
 
 def without_tips(region: Region) -> tuple[list[Part], list[Region]]:
     """Parts in the tips of a region, and what is left of it."""
-    tips: list[Part] = []
-    left = [region]
-    done: list[Region] = []
-    while left:
-        whole = left.pop()
-        found = _cut_tip(whole)
-        if found is None:
-            done.append(whole)
-        else:
-            tips.append(found[0])
-            left += found[1]
-    return tips, done
+    return taken_off(region, _cut_tip)
 
 
 def _cut_tip(region: Region) -> tuple[Part, list[Region]] | None:
