@@ -19,7 +19,7 @@ from cadbem.design.overview import network_overview
 from cadbem.errors import AccuracyWarning, ConditionError, SelectionError
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.compressed.storage import Storage
-from cadbem.problems.conditions import Condition, Inflow, NoSlip, Pressure, Traction
+from cadbem.problems.conditions import OPEN, Condition, NoSlip, Pressure
 from cadbem.problems.estimates import DOUBTFUL
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
@@ -216,8 +216,7 @@ def network_of(problem: StokesProblem, *, accuracy: float | None = None) -> Netw
     Its data do not matter.  The matrix is assembled and factorised once for all openings.  Raises
     ``ConditionError`` where other faces are not at rest, or for fewer than two openings.
     """
-    kinds = Inflow | Pressure | Traction
-    names = tuple(n for n, c in problem.conditions.items() if isinstance(c, kinds))
+    names = tuple(n for n, c in problem.conditions.items() if isinstance(c, OPEN))
     for name, condition in problem.conditions.items():
         if name not in names and not isinstance(condition, NoSlip):
             raise ConditionError(

@@ -10,13 +10,11 @@ import numpy as np
 from cadbem.checks import whole
 from cadbem.errors import ConditionError
 from cadbem.points import surface_points
-from cadbem.problems.conditions import Inflow, Pressure, Traction
+from cadbem.problems.conditions import OPEN
 from cadbem.problems.mixed import patches_named
 from cadbem.problems.solution import StokesSolution
 from cadbem.quadrature.gauss import gauss_on_breaks, tensor_rule
 from cadbem.spline.basis import Array
-
-OPEN = Inflow | Pressure | Traction
 
 
 @dataclass(frozen=True, eq=False)

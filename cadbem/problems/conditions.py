@@ -108,6 +108,7 @@ class RigidMotion:
         return shift + np.cross(np.broadcast_to(turn, arm.shape), arm, axis=0)
 
 
+OPEN = Inflow | Pressure | Traction  # conditions through which fluid may pass
 Condition = NoSlip | Velocity | Inflow | Pressure | Traction | RigidMotion
 
 

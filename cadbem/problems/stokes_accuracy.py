@@ -10,7 +10,7 @@ from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.compressed.layers import CompressedLayers
 from cadbem.operators.interactions import Targets
 from cadbem.operators.layers import assemble_layers
-from cadbem.problems.conditions import Background, Inflow, NoSlip, Pressure, Traction
+from cadbem.problems.conditions import OPEN, Background, Inflow, NoSlip, Pressure, Traction
 from cadbem.problems.constraints import normal_integrals
 from cadbem.problems.continuity import shear, shear_jumps
 from cadbem.problems.equations import StokesEquations
@@ -86,7 +86,7 @@ def _openings(
     space, found = equations.space, []
     rates, pressures = {}, {}
     for name, condition in equations.conditions.items():
-        if isinstance(condition, Inflow | Pressure | Traction):
+        if isinstance(condition, OPEN):
             patches = patches_named(space.boundary, name)
             weights = normal_integrals(space, patches)
             area = sum(float(space.boundary.patches[i].quadrature(8)[1].sum()) for i in patches)

@@ -17,7 +17,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from cadbem.problems.conditions import Inflow, Pressure, Traction
+from cadbem.problems.conditions import OPEN
 from cadbem.problems.estimates import coarser
 from cadbem.problems.residual import CheckPoints, residual
 from cadbem.spline.basis import Array
@@ -40,7 +40,7 @@ def velocity_errors(
     for distance, size in zip(away, sizes, strict=True):
         near[flow.elements.patch[distance < NEAR * size]] = True
     for i, kind in enumerate(flow.solved.kinds):
-        near[i] &= not isinstance(kind, Inflow | Pressure | Traction)
+        near[i] &= not isinstance(kind, OPEN)
     if not near.any():
         return [0.0] * len(clouds)
     checks = CheckPoints.of(flow.solved.space).on(near)

@@ -12,7 +12,7 @@ from cadbem.kernels.stokes import stokes_kernels
 from cadbem.operators.compressed.storage import Dense
 from cadbem.operators.interactions import Targets
 from cadbem.operators.potentials import Potentials
-from cadbem.problems.conditions import Inflow, Pressure, Traction
+from cadbem.problems.conditions import OPEN
 from cadbem.problems.enclosure import Enclosure
 from cadbem.problems.solution import StokesSolution
 from cadbem.problems.stokes import StokesProblem
@@ -130,7 +130,7 @@ class ChannelFlow:
             distance[here[sides.sum(axis=1) @ sides < 0]] *= -1
         names = [patches[i].name if i >= 0 else "" for i in found.patch]
         kinds = [self.problem.conditions.get(n) for n in names]
-        opening = [isinstance(kind, Inflow | Pressure | Traction) for kind in kinds]
+        opening = [isinstance(kind, OPEN) for kind in kinds]
         return Nearest(distance, names, np.array(opening))
 
     def solution(self, induced: Array) -> StokesSolution:
