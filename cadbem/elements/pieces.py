@@ -17,7 +17,6 @@ from cadbem.spline.nurbs import Nurbs
 Sizes = Callable[[Array], Array]  # the length (M,) that an element at points (dim, M) may have
 SAMPLES = 5  # samples a direction of an element
 BESIDE = 0.5  # share of the length it may have from which an element counts as near
-MOST_CUTS = 40  # halvings of one element, one after another
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,15 +142,14 @@ def pieces_near(elements: Elements, sizes: Sizes, degree: int) -> Pieces:
     owners, boxes = [stay], [whole.box[stay]]
     degrees = [np.where(beside, degree, 0)]
     left = elements.chosen(np.nonzero(np.isin(elements.patch, cut))[0])
-    for _ in range(MOST_CUTS):
-        if not len(left.patch):
-            break
+    while len(left.patch):
         share = left.shares(sizes)
-        done = left.chosen(np.nonzero(share <= 1)[0])
+        long = share > 1
+        done = left.chosen(np.nonzero(~long)[0])
         owners.append(done.patch)
         boxes.append(done.box)
-        degrees.append(np.where(share[share <= 1] > BESIDE, degree, 0))
-        left = left.chosen(np.nonzero(share > 1)[0]).halved()
+        degrees.append(np.where(share[~long] > BESIDE, degree, 0))
+        left = left.chosen(np.nonzero(long)[0]).halved()
     order = np.argsort(np.concatenate(owners), kind="stable")
     return Pieces(
         np.concatenate(owners)[order], np.concatenate(boxes)[order], np.concatenate(degrees)[order]

@@ -119,8 +119,7 @@ class March:
                 )
                 if accepted:
                     old = replace(state, guess=rate.guess)
-                    after = self._after(old, step, length, evaluations)
-                    after = replace(after, error=errors.whole)
+                    after = self._after(old, step, length, evaluations, errors.whole)
                     if not too_far(state, after):
                         return self._accept(old, after, step, lengths)
                     longest = length / 2
@@ -136,14 +135,16 @@ class March:
         """How the bodies of a state relax."""
         return Relaxation(state, [start for _, start in self._with_starts(state)], self.motion)
 
-    def _after(self, old: State, step: Step, length: float, evaluations: int) -> State:
+    def _after(
+        self, old: State, step: Step, length: float, evaluations: int, error: float
+    ) -> State:
         """The state that a step leads to, repaired."""
         bare = moved(old, step.state)
         drifts = [b.drift(start) for b, start in self._with_starts(bare)]
         return replace(
             self._repaired(bare, self.mesh), time=old.time + length, steps=old.steps + 1,
             evaluations=evaluations + self._needs_slope(step.slope), length=length,
-            drift=max(drifts, key=abs),
+            error=error, drift=max(drifts, key=abs),
         )  # fmt: skip
 
     def _needs_slope(self, slope: Array | None) -> bool:
